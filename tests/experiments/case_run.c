@@ -36,10 +36,9 @@ static void keep(place *at, const char *text)
 
 static int read_value(host_scan *scan, const char *key, void *context);
 
-static int read_list(host_scan *scan, const char *key, void *context)
+static int read_list(host_scan *scan, void *context)
 {
     place *const at = context;
-    (void)key;
     if (strcmp(at->path, "per_structure") == 0 && at->item++ > 0)
         return host_scan_skip(scan);
     return read_value(scan, NULL, at);

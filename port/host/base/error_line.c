@@ -5,7 +5,6 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 int host_fail(host_error *error, const char *place, const char *expected, ...)
 {

@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
-#include "cohort/report_done.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
@@ -13,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "cohort/report_head.h"
 #include "files/file_read.h"
 #include "report/json_write.h"
@@ -83,12 +81,11 @@ static const char *next_argument(done_check *c)
     return NULL;
 }
 
-static int compare_word(host_scan *scan, const char *key, void *context)
+static int compare_word(host_scan *scan, void *context)
 {
     static const char *const start[] = {"smr", "register"};
     done_check *const c = context;
     size_t n = 0;
-    (void)key;
     if (host_scan_text(scan, c->path, sizeof c->path, &n) != 0 || n >= sizeof c->path)
         return differs(c, "another command", "");
     if (c->word < 2)
@@ -147,10 +144,9 @@ static int is_same_file(const done_check *c)
     return same;
 }
 
-static int compare_file(host_scan *scan, const char *key, void *context)
+static int compare_file(host_scan *scan, void *context)
 {
     done_check *const c = context;
-    (void)key;
     c->has = 0;
     c->path[0] = '\0';
     if (host_scan_object(scan, read_file_member, c) != 0)

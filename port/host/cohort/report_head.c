@@ -6,10 +6,11 @@
 
 #include <math.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+#include "files/file_names.h"
 
 /* 1 when the name stays in its directory: no empty part, and none that starts with a dot. */
 static int stays_inside(const char *name)
@@ -26,11 +27,7 @@ static int stays_inside(const char *name)
 
 char *host_report_beside(const char *directory, const char *name)
 {
-    const size_t n = strlen(directory) + strlen(name) + 2u;
-    char *path = stays_inside(name) ? malloc(n) : NULL;
-    if (path != NULL)
-        (void)snprintf(path, n, "%s/%s", directory, name);
-    return path;
+    return stays_inside(name) ? host_path_in(directory, name) : NULL;
 }
 
 int host_report_there(const char *path)
@@ -39,14 +36,13 @@ int host_report_there(const char *path)
     return lstat(path, &st) == 0;
 }
 
-static int is_object(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int is_object(const host_head *head, host_error *error)
 {
     size_t i = 0;
-    (void)path;
-    (void)total;
-    while (i < n && (head[i] == ' ' || head[i] == '\n' || head[i] == '\r' || head[i] == '\t'))
+    while (i < head->n &&
+           (head->data[i] == ' ' || head->data[i] == '\n' || head->data[i] == '\r' || head->data[i] == '\t'))
         i++;
-    return i < n && head[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
+    return i < head->n && head->data[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
 }
 
 int host_report_bytes(const char *path, host_bytes *bytes, host_error *error)
@@ -61,36 +57,6 @@ typedef struct reading {
     host_report_head *head;
     uint32_t capacity;
 } reading;
-
-/* A key and where its value goes. */
-typedef struct field {
-    const char *key;
-    int (*read)(host_scan *scan, void *to);
-    size_t offset; /* of what the object is read into */
-} field;
-
-typedef struct object {
-    const field *fields;
-    size_t n;
-    void *to;
-    unsigned has, once; /* bits of fields: those read, those that may be read once */
-} object;
-
-#define COUNT_OF(table) (sizeof table / sizeof table[0])
-
-static int read_member(host_scan *scan, const char *key, void *context)
-{
-    object *const o = context;
-    size_t i = 0;
-    while (i < o->n && strcmp(key, o->fields[i].key) != 0)
-        i++;
-    if (i == o->n)
-        return host_scan_skip(scan);
-    if ((o->has & o->once & 1u << i) != 0) /* which one would count? */
-        return host_scan_fail(scan, "each key once");
-    o->has |= 1u << i;
-    return o->fields[i].read(scan, (unsigned char *)o->to + o->fields[i].offset);
-}
 
 const char *host_report_version(void) { return VERSION_TEXT(SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH); }
 
@@ -134,11 +100,10 @@ static int read_verdict(host_scan *scan, void *to)
     return host_scan_fail(scan, "good, look or failed");
 }
 
-static int read_reason(host_scan *scan, const char *key, void *context)
+static int read_reason(host_scan *scan, void *context)
 {
     host_verdict *const verdict = context;
     size_t n = 0;
-    (void)key;
     if (verdict->n_reasons == HOST_REASONS_MAX)
         return host_scan_text(scan, NULL, 0, &n);
     return host_scan_text(scan, verdict->reason[verdict->n_reasons++], HOST_REASON_BYTES, &n);
@@ -149,32 +114,32 @@ static int read_reasons(host_scan *scan, void *to) { return host_scan_list(scan,
 /* An object of statistics, or null. */
 static int read_stats(host_scan *scan, void *to)
 {
-    static const field fields[] = {{"mean", read_number, offsetof(host_stats, mean)},
-                                   {"rms", read_number, offsetof(host_stats, rms)},
-                                   {"p95", read_number, offsetof(host_stats, p95)},
-                                   {"max", read_number, offsetof(host_stats, max)}};
+    static const host_scan_field fields[] = {{"mean", read_number, offsetof(host_stats, mean)},
+                                             {"rms", read_number, offsetof(host_stats, rms)},
+                                             {"p95", read_number, offsetof(host_stats, p95)},
+                                             {"max", read_number, offsetof(host_stats, max)}};
     const host_stats none = {(double)NAN, (double)NAN, (double)NAN, (double)NAN, 1, 0.0};
-    object o = {fields, COUNT_OF(fields), to, 0, 0};
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], to, 0, 0};
     memset(to, 0, sizeof none);
     if (host_scan_peek(scan) == 'n')
         return host_scan_skip(scan);
     memcpy(to, &none, sizeof none);
-    return host_scan_object(scan, read_member, &o);
+    return host_scan_struct(scan, &o);
 }
 
 static int read_distances(host_scan *scan, void *head)
 {
-    static const field fields[] = {{"model_to_target", read_stats, offsetof(host_report_head, to)},
-                                   {"target_to_model", read_stats, offsetof(host_report_head, from)}};
-    object o = {fields, COUNT_OF(fields), head, 0, 0};
-    return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_object(scan, read_member, &o);
+    static const host_scan_field fields[] = {{"model_to_target", read_stats, offsetof(host_report_head, to)},
+                                             {"target_to_model", read_stats, offsetof(host_report_head, from)}};
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], head, 0, 0};
+    return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_struct(scan, &o);
 }
 
 static int read_times(host_scan *scan, void *head)
 {
-    static const field fields[] = {{"total", read_number, offsetof(host_report_head, seconds)}};
-    object o = {fields, COUNT_OF(fields), head, 0, 0};
-    return host_scan_object(scan, read_member, &o);
+    static const host_scan_field fields[] = {{"total", read_number, offsetof(host_report_head, seconds)}};
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], head, 0, 0};
+    return host_scan_struct(scan, &o);
 }
 
 static int read_name(host_scan *scan, void *to)
@@ -206,15 +171,15 @@ static int add_part(host_scan *scan, reading *r, const host_report_part *part)
     return 0;
 }
 
-static int read_part(host_scan *scan, const char *key, void *context)
+static int read_part(host_scan *scan, void *context)
 {
-    static const field fields[] = {{"name", read_name, offsetof(host_report_part, name)},
-                                   {"verdict", read_verdict, offsetof(host_report_part, level)},
-                                   {"expected_error_mm", read_number, offsetof(host_report_part, expected_error_mm)}};
+    static const host_scan_field fields[] = {
+        {"name", read_name, offsetof(host_report_part, name)},
+        {"verdict", read_verdict, offsetof(host_report_part, level)},
+        {"expected_error_mm", read_number, offsetof(host_report_part, expected_error_mm)}};
     host_report_part part = {"", 0, (double)NAN};
-    object o = {fields, COUNT_OF(fields), &part, 0, 0};
-    (void)key;
-    if (host_scan_object(scan, read_member, &o) != 0)
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], &part, 0, 0};
+    if (host_scan_struct(scan, &o) != 0)
         return -1;
     if ((o.has & 3u) != 3u)
         return host_scan_fail(scan, "name and verdict in the structure that ends here");
@@ -252,18 +217,18 @@ static int read_version(host_scan *scan, void *version)
 #define IN_HEAD(member) offsetof(host_report_head, member)
 
 /* The first N_NEEDED of these must be there, once. */
-static const field top_fields[] = {{"version", read_version, IN_HEAD(version)},
-                                   {"verdict", read_verdict, IN_HEAD(verdict.level)},
-                                   {"reasons", read_reasons, IN_HEAD(verdict)},
-                                   {"iterations", read_count, IN_HEAD(iterations)},
-                                   {"folds", read_count, IN_HEAD(folds)},
-                                   {"per_structure", read_parts, 0},
-                                   {"expected_error_mm", read_number, IN_HEAD(verdict.expected_error_mm)},
-                                   {"exit_status", read_exit_status, IN_HEAD(exit_status)},
-                                   {"distance_mm", read_distances, 0},
-                                   {"hausdorff_mm", read_number, IN_HEAD(hausdorff_mm)},
-                                   {"time_s", read_times, 0},
-                                   {"state_hash", read_hash, IN_HEAD(state_hash)}};
+static const host_scan_field top_fields[] = {{"version", read_version, IN_HEAD(version)},
+                                             {"verdict", read_verdict, IN_HEAD(verdict.level)},
+                                             {"reasons", read_reasons, IN_HEAD(verdict)},
+                                             {"iterations", read_count, IN_HEAD(iterations)},
+                                             {"folds", read_count, IN_HEAD(folds)},
+                                             {"per_structure", read_parts, 0},
+                                             {"expected_error_mm", read_number, IN_HEAD(verdict.expected_error_mm)},
+                                             {"exit_status", read_exit_status, IN_HEAD(exit_status)},
+                                             {"distance_mm", read_distances, 0},
+                                             {"hausdorff_mm", read_number, IN_HEAD(hausdorff_mm)},
+                                             {"time_s", read_times, 0},
+                                             {"state_hash", read_hash, IN_HEAD(state_hash)}};
 
 #define N_NEEDED 6u
 
@@ -279,10 +244,10 @@ static void clear(host_report_head *head)
 int host_report_parse(const void *data, size_t n, host_report_head *head, host_error *error)
 {
     const unsigned needed = (1u << N_NEEDED) - 1u;
-    object top = {top_fields, COUNT_OF(top_fields), head, 0, needed};
+    host_scan_members top = {top_fields, sizeof top_fields / sizeof top_fields[0], head, 0, needed};
     host_scan scan = {host_text_over(data, n), error, 0};
     clear(head);
-    int result = host_scan_object(&scan, read_member, &top);
+    int result = host_scan_struct(&scan, &top);
     if (result == 0)
         result = host_scan_end(&scan);
     if (result == 0 && (top.has & needed) != needed)

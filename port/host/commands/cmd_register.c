@@ -1,15 +1,14 @@
 /* cmd_register.c: smr register: calls the steps of a registration in order and writes its files.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "carry/carry_result.h"
-#include "cohort/report_done.h"
+#include "cohort/report_head.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
-#include "html/report_html.h"
+#include "html/page_data.h"
 #include "report/register_report.h"
 #include "scene/mrml_scene.h"
 
@@ -64,10 +63,8 @@ static int write_page(const host_job *job, host_output *output, host_error *erro
     host_buffer report = {0}, page = {0};
     host_job_report(job, status_of(job), output, &report);
     host_report_html(job, &report, &page);
-    int result = host_output_add(output, "report.html", &page, error);
     host_buffer_free(&report);
-    host_buffer_free(&page);
-    return result;
+    return host_output_take(output, "report.html", &page, 0, error);
 }
 
 /* Writes results, scene, log, trace and save, then the report, which tells of the others. */

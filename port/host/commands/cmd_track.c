@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "carry/carry_result.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
-#include "html/report_html.h"
+#include "html/page_data.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
 
@@ -73,10 +73,9 @@ static int check_names(tracked *t, host_error *error)
 {
     for (uint32_t i = 0; i < t->frames.n; i++)
         for (uint32_t k = 0; k < t->frames.frame[i].files.n; k++)
-            if (host_frame_part(&t->frames.frame[i], k, &t->job.model) == HOST_NO_PART) {
+            if (host_frame_part(&t->frames.frame[i], k, &t->job.model) == HOST_NO_PART)
                 return host_fail_of(error, t->frames.frame[i].files.path[k], "name",
                                     "the name of one of the model's structures");
-            }
     for (uint32_t i = 0; i < t->frames.n && t->options.html; i++)
         if (strcmp(t->frames.frame[i].name, PAGE) == 0)
             return host_fail_of(error, t->frames.frame[i].name, "name", "another name, that is the page's");

@@ -65,7 +65,7 @@ static int drain(int from, const char *path, host_accept accept, host_bytes *byt
         if (!asked && accept != NULL && bytes->size > 0 && (r == 0 || bytes->size >= HOST_HEAD_BYTES)) {
             const size_t head = bytes->size < HOST_HEAD_BYTES ? bytes->size : HOST_HEAD_BYTES;
             asked = 1;
-            if (accept(path, bytes->data, head, r == 0 ? bytes->size : 0, error) != 0) {
+            if (accept(&(host_head){path, bytes->data, head, r == 0 ? bytes->size : 0}, error) != 0) {
                 host_kind_found(error, path, bytes->data, head);
                 return -1;
             }
@@ -150,7 +150,7 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     size_t got = 0, rest = 0;
     if (read_up_to(fd, head, first, &got, error) != 0)
         return -1;
-    if (accept != NULL && accept(path, head, got, size, error) != 0) {
+    if (accept != NULL && accept(&(host_head){path, head, got, size}, error) != 0) {
         host_kind_found(error, path, head, got);
         return -1;
     }

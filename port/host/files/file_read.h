@@ -19,9 +19,16 @@ typedef struct host_bytes {
     size_t size;
 } host_bytes;
 
-/* Decides by the first n bytes of a file. total: the file's size, 0 when unknown (compressed).
- * Returns 0 to read on, -1 with the error filled to stop before a large file is read in vain. */
-typedef int (*host_accept)(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error);
+/* The start of a file. */
+typedef struct host_head {
+    const char *path;
+    const unsigned char *data; /* [n] */
+    size_t n, total;           /* total: the file's size, 0 when unknown (compressed) */
+} host_head;
+
+/* Decides by the start of a file. Returns 0 to read on, -1 with the error filled to stop before a large file is read in
+ * vain. */
+typedef int (*host_accept)(const host_head *head, host_error *error);
 
 /* Reads a regular file and unpacks it when it is a gzip file. 0, or -1 with the error filled. */
 int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error);

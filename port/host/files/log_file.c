@@ -7,7 +7,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -198,11 +197,9 @@ static int read_all(reader *r, host_log *log)
     return read_pieces(r, log);
 }
 
-static int accept_log(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_log(const host_head *head, host_error *error)
 {
-    (void)path;
-    (void)total;
-    if (n < strlen(MAGIC) || memcmp(head, MAGIC, strlen(MAGIC)) != 0)
+    if (head->n < strlen(MAGIC) || memcmp(head->data, MAGIC, strlen(MAGIC)) != 0)
         return host_fail(error, "line 1", "the log of a registration made by smr register --log");
     return 0;
 }
@@ -210,15 +207,11 @@ static int accept_log(const char *path, const unsigned char *head, size_t n, siz
 int host_log_read(const char *path, host_log *log, host_error *error)
 {
     host_bytes bytes;
-    reader r;
     memset(log, 0, sizeof *log);
     if (host_file_read(path, accept_log, &bytes, error) != 0)
         return -1;
     log->memory = bytes.data;
-    r.data = bytes.data;
-    r.at = 0;
-    r.size = bytes.size;
-    r.error = error;
+    reader r = {bytes.data, 0, bytes.size, error};
     if (read_all(&r, log) == 0)
         return 0;
     host_log_free(log);

@@ -239,15 +239,6 @@ static output_file *prepare_file(host_output *output, const char *directory, con
     return file;
 }
 
-static void note(output_file *file, const host_buffer *content)
-{
-    host_crc32 crc;
-    host_crc32_start(&crc);
-    host_crc32_add(&crc, content->data, content->size);
-    file->bytes = content->size;
-    file->crc32 = host_crc32_end(&crc);
-}
-
 static int add(host_output *output, const char *directory, const char *name, const host_buffer *content,
                host_error *error)
 {
@@ -258,9 +249,11 @@ static int add(host_output *output, const char *directory, const char *name, con
     host_stop_block(&before);
     output_file *file = prepare_file(output, directory, name, error);
     host_stop_restore(&before);
-    if (file != NULL)
-        note(file, content);
-    return file != NULL ? write_file(file, content, error) : -1;
+    if (file == NULL)
+        return -1;
+    file->bytes = content->size;
+    file->crc32 = host_crc32_of(content->data, content->size);
+    return write_file(file, content, error);
 }
 
 size_t host_output_count(const host_output *output) { return output->n; }

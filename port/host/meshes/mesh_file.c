@@ -206,12 +206,6 @@ static size_t mark_bytes(const unsigned char *data, size_t n)
     return n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3u : 0u;
 }
 
-static int starts_with(const unsigned char *head, size_t n, const char *text)
-{
-    const size_t k = strlen(text);
-    return n >= k && memcmp(head, text, k) == 0;
-}
-
 /* 1 when the first line that is neither empty nor a comment is one of OBJ. */
 static int looks_like_obj(const unsigned char *head, size_t n)
 {
@@ -230,9 +224,9 @@ static int looks_like_obj(const unsigned char *head, size_t n)
 /* Finds the reader by the content, or by the extension where the content does not decide. head: without a mark. */
 static read_function reader_for(const char *path, const unsigned char *head, size_t n, size_t total)
 {
-    if (starts_with(head, n, "ply\n") || starts_with(head, n, "ply\r"))
+    if (host_starts_with(head, n, "ply\n") || host_starts_with(head, n, "ply\r"))
         return host_read_ply;
-    if (starts_with(head, n, "# vtk DataFile"))
+    if (host_starts_with(head, n, "# vtk DataFile"))
         return host_read_vtk;
     if (host_is_binary_stl(head, n, total))
         return host_read_stl;
@@ -254,33 +248,20 @@ static read_function cloud_reader(const char *path, const unsigned char *head, s
     return found == NULL && host_has_extension(path, ".csv") ? host_read_csv : found;
 }
 
-static int accept_mesh(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_mesh(const host_head *head, host_error *error)
 {
-    const size_t skip = mark_bytes(head, n);
-    if (reader_for(path, head + skip, n - skip, total - skip) == NULL)
+    const size_t skip = mark_bytes(head->data, head->n);
+    if (reader_for(head->path, head->data + skip, head->n - skip, head->total - skip) == NULL)
         return host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
     return 0;
 }
 
-static int accept_cloud(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_cloud(const host_head *head, host_error *error)
 {
-    const size_t skip = mark_bytes(head, n);
-    if (cloud_reader(path, head + skip, n - skip, total - skip) == NULL)
+    const size_t skip = mark_bytes(head->data, head->n);
+    if (cloud_reader(head->path, head->data + skip, head->n - skip, head->total - skip) == NULL)
         return host_fail(error, "content", "a PLY, STL, OBJ, legacy VTK polydata or CSV file");
     return 0;
-}
-
-/* Turns RAS into LPS: a rotation by 180 degrees about the third axis, which keeps the triangles' outside. */
-static void turn_ras(host_mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->n_vertices; i++) {
-        mesh->xyz[3u * i] = -mesh->xyz[3u * i];
-        mesh->xyz[3u * i + 1u] = -mesh->xyz[3u * i + 1u];
-    }
-    for (size_t i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++) {
-        mesh->normals[3u * i] = -mesh->normals[3u * i];
-        mesh->normals[3u * i + 1u] = -mesh->normals[3u * i + 1u];
-    }
 }
 
 static int check(const host_mesh *mesh, int need, host_error *error)
@@ -305,12 +286,8 @@ static void drop_normals(const host_mesh_reader *reader)
 int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error)
 {
     host_bytes bytes;
-    host_mesh_reader reader = {0};
+    host_mesh_reader reader = {.mesh = mesh, .error = error, .unit = "header line", .cloud = need == HOST_MESH_CLOUD};
     memset(mesh, 0, sizeof *mesh);
-    reader.mesh = mesh;
-    reader.error = error;
-    reader.unit = "header line";
-    reader.cloud = need == HOST_MESH_CLOUD;
     if (host_file_read(path, reader.cloud ? accept_cloud : accept_mesh, &bytes, error) != 0)
         return -1;
     size_t skip = mark_bytes(bytes.data, bytes.size);
@@ -326,8 +303,8 @@ int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host
         return -1;
     }
     drop_normals(&reader);
-    if (reader.ras)
-        turn_ras(mesh);
+    for (int axis = 0; reader.ras && axis < 2; axis++) /* RAS to LPS: a rotation, which keeps the triangles' outside */
+        host_mesh_negate(mesh, axis);
     if (mirror != HOST_MIRROR_NONE)
         host_mesh_mirror(mesh, mirror);
     return 0;

@@ -52,11 +52,6 @@ static host_type type_named(host_word word)
 
 static int is_whole(host_type type) { return type != HOST_TYPE_NONE && type != HOST_TYPE_F32 && type != HOST_TYPE_F64; }
 
-static int bad_line(const host_mesh_reader *reader, const char *expected)
-{
-    return host_fail_at(reader->error, "header line", reader->number, "%s", expected);
-}
-
 static int read_format(const host_mesh_reader *reader, host_text *line, host_ply_header *header)
 {
     static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -67,7 +62,7 @@ static int read_format(const host_mesh_reader *reader, host_text *line, host_ply
                 header->format = i;
                 return 0;
             }
-    return bad_line(reader, "the format ascii, binary_little_endian or binary_big_endian");
+    return host_reader_fail(reader, "the format ascii, binary_little_endian or binary_big_endian");
 }
 
 static int read_element(const host_mesh_reader *reader, host_text *line, host_ply_header *header)
@@ -77,18 +72,17 @@ static int read_element(const host_mesh_reader *reader, host_text *line, host_pl
     int64_t count = 0;
     if (!host_text_word_in_line(line, &name) || !host_text_word_in_line(line, &number) ||
         !host_word_int(number, &count) || count < 0)
-        return bad_line(reader, "an element's name and a count of 0 or more");
+        return host_reader_fail(reader, "an element's name and a count of 0 or more");
     if (header->n_elements == HOST_PLY_ELEMENTS_MAX)
-        return bad_line(reader, "at most 16 elements");
+        return host_reader_fail(reader, "at most 16 elements");
     host_ply_element *element = &header->element[header->n_elements++];
     memset(element, 0, sizeof *element);
     element->count = (uint64_t)count;
     element->line = (uint32_t)reader->number;
     element->kind = host_word_is(name, "vertex") ? HOST_PLY_VERTEX : host_word_is(name, "face") ? HOST_PLY_FACE : 0;
     if (count > most[element->kind])
-        return host_fail_at(reader->error, "header line", reader->number, "at most %lld %s, found %lld",
-                            (long long)most[element->kind], element->kind == HOST_PLY_FACE ? "faces" : "vertices",
-                            (long long)count);
+        return host_reader_fail(reader, "at most %lld %s, found %lld", (long long)most[element->kind],
+                                element->kind == HOST_PLY_FACE ? "faces" : "vertices", (long long)count);
     return 0;
 }
 
@@ -111,28 +105,28 @@ static int read_property(const host_mesh_reader *reader, host_text *line, host_p
 {
     host_word word;
     if (header->n_elements == 0)
-        return bad_line(reader, "an element before its properties");
+        return host_reader_fail(reader, "an element before its properties");
     host_ply_element *element = &header->element[header->n_elements - 1u];
     if (element->n_properties == HOST_PLY_PROPERTIES_MAX)
-        return bad_line(reader, "at most 64 properties");
+        return host_reader_fail(reader, "at most 64 properties");
     host_ply_property *property = &element->property[element->n_properties++];
     property->count_type = HOST_TYPE_NONE;
     if (!host_text_word_in_line(line, &word))
-        return bad_line(reader, "a property's type and name");
+        return host_reader_fail(reader, "a property's type and name");
     if (host_word_is(word, "list")) {
         property->count_type = host_text_word_in_line(line, &word) ? type_named(word) : HOST_TYPE_NONE;
         if (!is_whole(property->count_type))
-            return bad_line(reader, "a whole-number type for the list's count");
+            return host_reader_fail(reader, "a whole-number type for the list's count");
         if (!host_text_word_in_line(line, &word))
-            return bad_line(reader, "the type of the list's values");
+            return host_reader_fail(reader, "the type of the list's values");
         element->has_list = 1;
     }
     property->type = type_named(word);
     if (property->type == HOST_TYPE_NONE || !host_text_word_in_line(line, &word))
-        return bad_line(reader, "a property's type (char, ..., double) and name");
+        return host_reader_fail(reader, "a property's type (char, ..., double) and name");
     property->role = role_of(element->kind, property, word);
     if (element->kind == HOST_PLY_FACE && property->role == 0 && !is_whole(property->type))
-        return bad_line(reader, "whole numbers as vertex indexes");
+        return host_reader_fail(reader, "whole numbers as vertex indexes");
     element->row_bytes +=
         host_type_bytes(property->count_type == HOST_TYPE_NONE ? property->type : property->count_type);
     return 0;
@@ -204,7 +198,7 @@ static int read_line(host_mesh_reader *reader, host_word whole, host_ply_header 
         return read_element(reader, &line, header);
     if (host_word_is(word, "property"))
         return read_property(reader, &line, header);
-    return bad_line(reader, "format, element, property, comment or end_header");
+    return host_reader_fail(reader, "format, element, property, comment or end_header");
 }
 
 /* Reads the header and checks that the rest of the file can hold its counts. 0, or -1 with the error filled. */
@@ -217,13 +211,13 @@ static int host_ply_read_header(host_mesh_reader *reader, const unsigned char *d
     header->format = -1;
     reader->number = 1;
     if (!host_text_line(&text, &whole) || !host_word_is(whole, "ply"))
-        return bad_line(reader, "the word ply");
+        return host_reader_fail(reader, "the word ply");
     while (done == 0) {
         /* With old Mac line ends a body byte of 10 after end_header is data, not a line end. */
         const char *const before = text.at;
         reader->number = text.line;
         if (!host_text_line(&text, &whole))
-            return bad_line(reader, "end_header, but the file ends here");
+            return host_reader_fail(reader, "end_header, but the file ends here");
         done = read_line(reader, whole, header);
         if (done == 1 && data[3] == '\r' && data[4] != '\n')
             text.at = before + whole.n + 1;
@@ -233,7 +227,7 @@ static int host_ply_read_header(host_mesh_reader *reader, const unsigned char *d
     header->lines = (uint32_t)reader->number;
     header->body = (const unsigned char *)text.at;
     if (header->format < 0)
-        return bad_line(reader, "a format line before it");
+        return host_reader_fail(reader, "a format line before it");
     return check_claims(reader, header, n - (size_t)(header->body - data));
 }
 

@@ -39,26 +39,34 @@ static int read_number(const host_option *o, host_word word, double *value, host
     return good ? 0 : refuse_number(o, word, error);
 }
 
+/* Reads the number before the next comma; *text: what follows it, NULL at the end. */
+static int next_number(const host_option *o, const char **text, host_word *word, double *value, host_error *error)
+{
+    const char *const comma = strchr(*text, ',');
+    *word = word_of(*text);
+    if (comma != NULL)
+        word->n = (size_t)(comma - *text);
+    *text = comma != NULL ? comma + 1 : NULL;
+    return read_number(o, *word, value, error);
+}
+
 /* "80,30,10": from coarse to fine. */
 static int read_radii(const host_option *o, const char *text, smr_prepare_config *prepare, host_error *error)
 {
     uint32_t n = 0;
     while (text != NULL) {
-        const char *const comma = strchr(text, ',');
-        host_word word = word_of(text);
+        const char *const rest = text;
+        host_word word;
         double value = 0.0;
-        if (comma != NULL)
-            word.n = (size_t)(comma - text);
         if (n == SMR_RADII_MAX)
-            return host_fail(error, text, "at most %u radii", SMR_RADII_MAX);
-        if (read_number(o, word, &value, error) != 0)
+            return host_fail(error, rest, "at most %u radii", SMR_RADII_MAX);
+        if (next_number(o, &text, &word, &value, error) != 0)
             return -1;
         if (n > 0 && (float)value >= prepare->radius_mm[n - 1u])
-            return host_fail(error, text, "radii that fall, from coarse to fine");
+            return host_fail(error, rest, "radii that fall, from coarse to fine");
         if (!((float)value > 0.0f))
             return refuse_number(o, word, error);
         prepare->radius_mm[n++] = (float)value;
-        text = comma != NULL ? comma + 1 : NULL;
     }
     prepare->n_radii = n;
     return 0;
@@ -67,17 +75,12 @@ static int read_radii(const host_option *o, const char *text, smr_prepare_config
 /* "5" or "5,0": from the start of the schedule to its end. */
 static int read_span(const host_option *o, const char *text, host_span *span, host_error *error)
 {
-    const char *const comma = strchr(text, ',');
-    host_word word = word_of(text);
+    host_word word;
     double from = 0.0, to = 0.0;
-    if (comma != NULL)
-        word.n = (size_t)(comma - text);
-    if (read_number(o, word, &from, error) != 0 ||
-        (comma != NULL && read_number(o, word_of(comma + 1), &to, error) != 0))
+    if (next_number(o, &text, &word, &from, error) != 0 ||
+        (text != NULL && read_number(o, word_of(text), &to, error) != 0))
         return -1;
-    span->from = (float)from;
-    span->to = (float)to;
-    span->n = comma != NULL ? 2 : 1;
+    *span = (host_span){(float)from, (float)to, text != NULL ? 2 : 1};
     return 0;
 }
 

@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 
 static void put_text(host_json *json, const char *text)
 {
