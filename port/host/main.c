@@ -23,40 +23,31 @@ static void keep_streams_open(void)
         (void)close(fd);
 }
 
-static int run(int command, int argc, char **argv, host_error *error)
+static const struct {
+    const char *name;
+    int command;
+    int (*run)(const host_options *options, host_error *error);
+} commands[] = {{"register", HOST_REGISTER, host_register},
+                {"build", HOST_BUILD, host_build},
+                {"info", HOST_INFO, host_info},
+                {"measure", HOST_MEASURE, host_measure},
+                {"phantom", HOST_PHANTOM, host_phantom},
+                {"bench", HOST_BENCH, host_bench_run},
+                {"replay", HOST_REPLAY, host_replay},
+                {"carry", HOST_CARRY, host_carry},
+                {"field", HOST_FIELD, host_field},
+                {"warp", HOST_WARP, host_warp},
+                {"track", HOST_TRACK, host_track},
+                {"summary", HOST_SUMMARY, host_summary},
+                {"surfaces", HOST_SURFACES, host_surfaces},
+                {"labels", HOST_LABELS, host_labels}};
+
+static int run(size_t i, int argc, char **argv, host_error *error)
 {
     host_options options;
     int result = HOST_REFUSED;
-    if (host_options_read(command, argc, argv, &options, error) == 0) {
-        if (command == HOST_REGISTER)
-            result = host_register(&options, error);
-        else if (command == HOST_BUILD)
-            result = host_build(&options, error);
-        else if (command == HOST_INFO)
-            result = host_info(&options, error);
-        else if (command == HOST_PHANTOM)
-            result = host_phantom(&options, error);
-        else if (command == HOST_BENCH)
-            result = host_bench_run(&options, error);
-        else if (command == HOST_REPLAY)
-            result = host_replay(&options, error);
-        else if (command == HOST_TRACK)
-            result = host_track(&options, error);
-        else if (command == HOST_CARRY)
-            result = host_carry(&options, error);
-        else if (command == HOST_FIELD)
-            result = host_field(&options, error);
-        else if (command == HOST_SUMMARY)
-            result = host_summary(&options, error);
-        else if (command == HOST_WARP)
-            result = host_warp(&options, error);
-        else if (command == HOST_SURFACES)
-            result = host_surfaces(&options, error);
-        else if (command == HOST_LABELS)
-            result = host_labels(&options, error);
-        else
-            result = host_measure(&options, error);
-    }
+    if (host_options_read(commands[i].command, argc, argv, &options, error) == 0)
+        result = commands[i].run(&options, error);
     if (result == HOST_REFUSED)
         host_error_print(error);
     host_options_free(&options);
@@ -65,14 +56,6 @@ static int run(int command, int argc, char **argv, host_error *error)
 
 static int dispatch(int argc, char **argv, host_error *error)
 {
-    static const struct {
-        const char *name;
-        int command;
-    } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
-                    {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
-                    {"replay", HOST_REPLAY},     {"carry", HOST_CARRY},     {"field", HOST_FIELD},
-                    {"warp", HOST_WARP},         {"track", HOST_TRACK},     {"summary", HOST_SUMMARY},
-                    {"surfaces", HOST_SURFACES}, {"labels", HOST_LABELS}};
     for (int k = 1; k < argc; k++)
         if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) {
             if (host_command_help(argv[1]) != 0)
@@ -91,7 +74,7 @@ static int dispatch(int argc, char **argv, host_error *error)
     }
     for (size_t i = 0; argc > 1 && i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
-            return run(commands[i].command, argc, argv, error);
+            return run(i, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
     (void)host_fail(error, "command",
                     "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, summary, "

@@ -8,9 +8,9 @@
 #include <string.h>
 
 #include "host/label_shapes.h"
-#include "labels/surface_fill.h"
+#include "labels/surface_set.h"
 #include "meshes/triangle_mesh.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 #define PI 3.14159265358979
 

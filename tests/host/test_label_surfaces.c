@@ -16,9 +16,9 @@
 #include "host/label_shapes.h"
 #include "labels/surface_net.h"
 #include "labels/label_surfaces.h"
-#include "labels/surface_fill.h"
+#include "labels/surface_set.h"
 #include "measure/surface_distances.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 static host_label_surface *surfaces_of(const host_label_map *map)
 {

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "html/page_data.h"
-#include "html/page_thin.h"
 
 /* What a writer of JSON adds, without the bracket around it. */
 static char *written(host_buffer *out)
@@ -199,7 +198,7 @@ enum { NX = 12, NY = 10, NZ = 8 };
 static void image_is_cut_and_averaged(void **state)
 {
     uint16_t voxel[NX * NY * NZ];
-    host_volume v = {voxel, HOST_UINT16, {NX, NY, NZ}, {100, -50, 30}, {1, 1, 3}, {0, 1, 0, 1, 0, 0, 0, 0, -1}};
+    host_volume v = {voxel, SMR_VOXEL_UINT16, {NX, NY, NZ}, {100, -50, 30}, {1, 1, 3}, {0, 1, 0, 1, 0, 0, 0, 0, -1}};
     const host_box box = {{101, -49, 15}, {106, -44, 20}, 2}, away = {{500, 500, 500}, {510, 510, 510}, 2};
     host_page_image out;
     uint32_t i = 0, at[3];
@@ -235,7 +234,7 @@ static void odd_images_are_no_trouble(void **state)
 {
     float value[8] = {NAN, INFINITY, -INFINITY, 5, 5, 5, 5, NAN};
     uint8_t one = 7;
-    host_volume v = {value, HOST_FLOAT32, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    host_volume v = {value, SMR_VOXEL_FLOAT, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     const host_box box = {{-1, -1, -1}, {3, 3, 3}, 2};
     host_page_image out;
     (void)state;
@@ -250,7 +249,7 @@ static void odd_images_are_no_trouble(void **state)
     assert_int_equal(host_page_image_make(&v, &box, 10, 100, &out), 0);
     assert_true(isfinite(out.low) && out.high > out.low);
     free(out.at);
-    v = (host_volume){&one, HOST_UINT8, {1, 1, 1}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    v = (host_volume){&one, SMR_VOXEL_UINT8, {1, 1, 1}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     assert_int_equal(host_page_image_make(&v, &box, 10, 100, &out), 0);
     assert_int_equal(out.at[0], 7);
     free(out.at);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cohort/report_done.h"
+#include "cohort/report_head.h"
 #include "cohort/summary_cases.h"
 #include "unit/oracle.h"
 

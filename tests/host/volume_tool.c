@@ -282,7 +282,7 @@ static int try_volume(const unsigned char *data, size_t n, const char *path)
     if (!good && (error.place[0] == '\0' || error.expected[0] == '\0'))
         abort();
     if (good &&
-        (volume.voxels == NULL || !(volume.spacing[0] > 0.0f) || volume.size[2] == 0 || volume.type > HOST_FLOAT32))
+        (volume.voxels == NULL || !(volume.spacing[0] > 0.0f) || volume.size[2] == 0 || volume.type > SMR_VOXEL_FLOAT))
         abort();
     host_volume_free(&volume);
     host_file_free(&reader.detached);

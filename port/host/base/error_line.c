@@ -5,11 +5,21 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 int host_fail(host_error *error, const char *place, const char *expected, ...)
 {
     va_list list;
+    (void)snprintf(error->place, sizeof error->place, "%s", place);
+    va_start(list, expected);
+    (void)vsnprintf(error->expected, sizeof error->expected, expected, list);
+    va_end(list);
+    return -1;
+}
+
+int host_fail_of(host_error *error, const char *file, const char *place, const char *expected, ...)
+{
+    va_list list;
+    error->file = file;
     (void)snprintf(error->place, sizeof error->place, "%s", place);
     va_start(list, expected);
     (void)vsnprintf(error->expected, sizeof error->expected, expected, list);
@@ -25,6 +35,15 @@ int host_fail_at(host_error *error, const char *unit, uint64_t number, const cha
     (void)vsnprintf(error->expected, sizeof error->expected, expected, list);
     va_end(list);
     return -1;
+}
+
+void host_error_keep(host_error *error)
+{
+    static char file[4096];
+    if (error->file == NULL)
+        return;
+    (void)snprintf(file, sizeof file, "%s", error->file);
+    error->file = file;
 }
 
 /* Replaces control characters: a file name may contain line breaks, but the error is one line. */

@@ -20,7 +20,11 @@ typedef struct host_error {
 
 /* Fill the error. Return -1, so that a caller can write: return host_fail(...). */
 int host_fail(host_error *error, const char *place, const char *expected, ...) HOST_PRINTF(3, 4);
+int host_fail_of(host_error *error, const char *file, const char *place, const char *expected, ...) HOST_PRINTF(4, 5);
 int host_fail_at(host_error *error, const char *unit, uint64_t number, const char *expected, ...) HOST_PRINTF(4, 5);
+
+/* Copies the file's name, which is about to be freed. One error at a time. */
+void host_error_keep(host_error *error);
 
 /* Prints "smr: FILE: PLACE: expected ..." as one line on stderr, control characters replaced. */
 void host_error_print(const host_error *error);

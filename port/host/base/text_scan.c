@@ -53,14 +53,7 @@ double host_type_read(host_type type, const unsigned char *bytes, int big_endian
 
 #define NUMBER_CHARS 128u /* the longest number accepted */
 
-host_text host_text_over(const void *data, size_t n)
-{
-    host_text text;
-    text.at = data;
-    text.end = text.at + n;
-    text.line = 1;
-    return text;
-}
+host_text host_text_over(const void *data, size_t n) { return (host_text){data, (const char *)data + n, 1}; }
 
 static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 

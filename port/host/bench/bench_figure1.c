@@ -109,7 +109,7 @@ static int write_csv(const figure1 *f, const char *directory, host_error *error)
                               (double)radii_mm[r], measured_at[p], one->ms[p], one->hausdorff[p], one->to[p],
                               one->from[p], one->updates[p]);
     }
-    return host_bench_write(directory, "figure1", &csv, error);
+    return host_output_file(directory, "figure1.csv", &csv, 0, error);
 }
 
 static void tell(const figure1 *f, const char *directory)

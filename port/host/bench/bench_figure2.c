@@ -8,7 +8,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "bench/bench_job.h"
 #include "options/options.h"
@@ -106,7 +105,7 @@ static int host_figure2_write(host_figure2 *figure, const host_options *options,
 {
     host_buffer csv = {0};
     put_csv(figure, &csv);
-    if (host_bench_write(options->out, "figure2", &csv, error) != 0)
+    if (host_output_file(options->out, "figure2.csv", &csv, 0, error) != 0)
         return -1;
     if (!options->quiet)
         print_summary(figure, options->out);

@@ -10,12 +10,11 @@
 #include <time.h>
 
 #include "base/system.h"
-#include "files/output_files.h"
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
-    error->file = "bench";
-    return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
+    return host_fail_of(error, "bench", place, "input and options within the library's limits (%s)",
+                        smr_status_name(status));
 }
 
 /* Moves the surfaces of a part of the thigh into the job, as structure i. The thigh keeps its images and landmarks. */
@@ -62,13 +61,6 @@ static int take_thigh(host_bench *bench, host_error *error)
     return host_job_place_pairs(job, from[0], to[0], error);
 }
 
-/* The model is read from surfaces: the benchmarks prepare it anew, a .smr is refused. */
-static int load_files(host_job *job, host_error *error)
-{
-    return host_job_load(job, error) != 0 || host_job_match(job, error) != 0 || host_job_start(job, error) != 0 ? -1
-                                                                                                                : 0;
-}
-
 int host_bench_load(host_bench *bench, const host_options *options, host_error *error)
 {
     memset(bench, 0, sizeof *bench);
@@ -80,8 +72,10 @@ int host_bench_load(host_bench *bench, const host_options *options, host_error *
     bench->job.options = &bench->options;
     if (host_port_open(&bench->job.port, options->threads, error) != 0)
         return -1;
-    if (options->model.n > 0)
-        return load_files(&bench->job, error);
+    if (options->model.n > 0) /* surfaces: the benchmarks prepare them anew, a .smr is refused */
+        return host_job_load(&bench->job, error) != 0 || host_job_match(&bench->job, error) != 0
+                   ? -1
+                   : host_job_start(&bench->job, error);
     error->file = "bench";
     bench->thigh = calloc(1, sizeof *bench->thigh);
     if (bench->thigh == NULL)
@@ -115,21 +109,15 @@ int host_bench_prepare(host_bench *bench, smr_prepare_config config, int image, 
 smr_status host_bench_start(const host_bench *bench)
 {
     const host_job *const job = &bench->job;
-    const float *xyz = job->start_xyz;
-    smr_status status = SMR_OK;
     smr_pose pose = job->pose;
+    if (job->start_xyz != NULL)
+        return host_job_put_start(job);
     if (job->options->align == HOST_ALIGN_NONE) {
         memset(&pose, 0, sizeof pose);
         for (uint32_t i = 0; i < 3; i++)
             pose.m[i][i] = 1.0f;
     }
-    if (xyz == NULL)
-        return smr_set_pose(job->state, &pose);
-    for (uint32_t i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
-        status = smr_set_positions(job->state, i, xyz);
-        xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
-    }
-    return status;
+    return smr_set_pose(job->state, &pose);
 }
 
 int host_bench_init(host_bench *bench, const smr_config *config, const smr_port *port, int image, host_error *error)
@@ -182,11 +170,4 @@ uint64_t host_bench_processor_ns(void *ctx)
     (void)ctx;
     (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
-int host_bench_write(const char *directory, const char *name, host_buffer *csv, host_error *error)
-{
-    char file[64];
-    (void)snprintf(file, sizeof file, "%s.csv", name);
-    return host_output_file(directory, file, csv, 0, error);
 }

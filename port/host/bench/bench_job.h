@@ -6,6 +6,7 @@
 
 #include "base/byte_buffer.h"
 #include "phantom/thigh_phantom.h"
+#include "files/output_files.h"
 #include "register/register_job.h"
 
 typedef struct host_bench {
@@ -33,9 +34,6 @@ int host_bench_register(host_bench *bench, host_error *error);
 
 /* Processor time of this thread, as a port's clock. */
 uint64_t host_bench_processor_ns(void *ctx);
-
-/* Writes NAME.csv and frees the buffer. 0, or -1 with the error filled. */
-int host_bench_write(const char *directory, const char *name, host_buffer *csv, host_error *error);
 
 /* The benchmarks. Each writes its files into options.out. 0, or -1 with the error filled. */
 int host_bench_figure1(host_bench *bench, host_error *error);

@@ -26,13 +26,6 @@ typedef struct soak_row {
     uint32_t bin[CLOCKS][BINS];
 } soak_row;
 
-static double processor_seconds(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void count(soak_row *row, int clock, double over_us)
 {
     int i = 0;
@@ -49,13 +42,13 @@ static int run_budget(host_bench *bench, double budget_ms, soak_row *row, host_e
     double before = host_seconds();
     while (before < end) {
         smr_tick_report report;
-        const double begin = processor_seconds();
+        const double begin = 1e-9 * (double)host_bench_processor_ns(NULL);
         const smr_status status = smr_tick(bench->job.state, (uint64_t)(budget_ms * 1e6), &report);
         const double after = host_seconds();
         if (status < 0)
             return host_fail(error, "tick", "input that can be registered (%s)", smr_status_name(status));
         count(row, WALL, (after - before) * 1e6 - budget_ms * 1e3);
-        count(row, PROCESSOR, (processor_seconds() - begin) * 1e6 - budget_ms * 1e3);
+        count(row, PROCESSOR, (1e-9 * (double)host_bench_processor_ns(NULL) - begin) * 1e6 - budget_ms * 1e3);
         row->ticks++;
         row->whole += status == SMR_OK;
         if (report.done) {
@@ -121,23 +114,18 @@ static void tell(soak_row rows[KINDS][BUDGETS], const host_bench *bench)
     (void)printf("%s: soak.csv\n", bench->given->out);
 }
 
-static int write_csv(soak_row rows[KINDS][BUDGETS], const char *directory, host_error *error)
-{
-    host_buffer csv = {0};
-    put_csv(rows, &csv);
-    return host_bench_write(directory, "soak", &csv, error);
-}
-
 int host_bench_soak(host_bench *bench, host_error *error)
 {
     soak_row rows[KINDS][BUDGETS];
+    host_buffer csv = {0};
     memset(rows, 0, sizeof rows);
     if (host_job_make_surfaces(&bench->job, error) != 0)
         return -1;
     for (int image = 0; image < KINDS; image++)
         if (run_kind(bench, image, rows[image], error) != 0)
             return -1;
-    if (write_csv(rows, bench->given->out, error) != 0)
+    put_csv(rows, &csv);
+    if (host_output_file(bench->given->out, "soak.csv", &csv, 0, error) != 0)
         return -1;
     if (!bench->given->quiet)
         tell(rows, bench);

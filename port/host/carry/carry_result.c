@@ -2,11 +2,11 @@
  * SPDX-License-Identifier: MIT */
 #include "carry/carry_result.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/system.h"
+#include "files/file_names.h"
 #include "files/file_read.h"
 #include "files/gzip_write.h"
 
@@ -15,14 +15,6 @@
 #define HEADER_BYTES 32u
 #define CHECKED_FROM 12u /* the first byte that the checksum is of */
 #define RECORD_BYTES (SMR_NAME_BYTES + 4u)
-
-static uint32_t checksum(const unsigned char *data, size_t n)
-{
-    host_crc32 crc;
-    host_crc32_start(&crc);
-    host_crc32_add(&crc, data, n);
-    return host_crc32_end(&crc);
-}
 
 static uint32_t u32_at(const unsigned char *p)
 {
@@ -51,7 +43,18 @@ void host_carry_write(const host_carry_shape *shape, host_buffer *out)
     for (size_t i = 0; i < 3u * (size_t)shape->n_vertices; i++)
         host_buffer_f32(out, shape->now[i]);
     if (!out->failed)
-        put_u32(out->data + start + 8, checksum(out->data + start + CHECKED_FROM, out->size - start - CHECKED_FROM));
+        put_u32(out->data + start + 8,
+                host_crc32_of(out->data + start + CHECKED_FROM, out->size - start - CHECKED_FROM));
+}
+
+int host_carry_allocate(host_carry_shape *shape)
+{
+    const size_t bytes = 3u * sizeof(float) * shape->n_vertices;
+    shape->name = calloc(shape->n_structures, sizeof *shape->name);
+    shape->count = calloc(shape->n_structures, sizeof *shape->count);
+    shape->rest = malloc(bytes);
+    shape->now = malloc(bytes);
+    return shape->name != NULL && shape->count != NULL && shape->rest != NULL && shape->now != NULL ? 0 : -1;
 }
 
 /* What the counts say that the file has, or 0 for counts that no result has. */
@@ -88,7 +91,6 @@ static int take_floats(const unsigned char *at, size_t n, float *to, host_error 
 
 static int parse(host_carry_shape *shape, const unsigned char *data, size_t size, host_error *error)
 {
-    const size_t names = HEADER_BYTES;
     if (size < HEADER_BYTES || u32_at(data) != MAGIC)
         return host_fail(error, "content", "what smr register leaves in a result's directory as " HOST_CARRY_NAME);
     if (u32_at(data + 4) != VERSION)
@@ -97,19 +99,15 @@ static int parse(host_carry_shape *shape, const unsigned char *data, size_t size
     shape->n_structures = u32_at(data + 16);
     if (bytes_of(shape->n_vertices, shape->n_structures) != size)
         return host_fail(error, "size", "the bytes that its counts say: it is cut off or damaged");
-    if (u32_at(data + 8) != checksum(data + CHECKED_FROM, size - CHECKED_FROM))
+    if (u32_at(data + 8) != host_crc32_of(data + CHECKED_FROM, size - CHECKED_FROM))
         return host_fail(error, "checksum", "that of its bytes: it is damaged");
     if (u32_at(data + 20) > 3u || u32_at(data + 24) != 0u || u32_at(data + 28) != 0u)
         return host_fail(error, "header", "a coordinate 0 to 3 and zeros");
     shape->mirror = (int)u32_at(data + 20) - 1;
-    size_t words = 3u * (size_t)shape->n_vertices;
-    shape->name = calloc(shape->n_structures, sizeof *shape->name);
-    shape->count = calloc(shape->n_structures, sizeof *shape->count);
-    shape->rest = malloc(words * sizeof(float));
-    shape->now = malloc(words * sizeof(float));
-    if (shape->name == NULL || shape->count == NULL || shape->rest == NULL || shape->now == NULL)
+    const size_t words = 3u * (size_t)shape->n_vertices;
+    if (host_carry_allocate(shape) != 0)
         return host_fail(error, "start", "free memory");
-    data += names;
+    data += HEADER_BYTES;
     if (take_names(shape, data, error) != 0)
         return -1;
     data += (size_t)RECORD_BYTES * shape->n_structures;
@@ -128,25 +126,20 @@ int host_carry_parse(const unsigned char *data, size_t size, host_carry_shape *s
     return result;
 }
 
-static int accept_ours(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_ours(const host_head *head, host_error *error)
 {
-    (void)path;
-    (void)total;
-    if (n < 4u || u32_at(head) != MAGIC)
+    if (head->n < 4u || u32_at(head->data) != MAGIC)
         return host_fail(error, "content", "what smr register leaves in a result's directory as " HOST_CARRY_NAME);
     return 0;
 }
 
 int host_carry_read(const char *directory, host_carry_shape *shape, char **path, host_error *error)
 {
-    const size_t n = strlen(directory) + sizeof "/" HOST_CARRY_NAME;
     host_bytes bytes;
     memset(shape, 0, sizeof *shape);
-    *path = malloc(n);
-    error->file = directory;
+    *path = host_path_in(directory, HOST_CARRY_NAME);
     if (*path == NULL)
-        return host_fail(error, "start", "free memory");
-    (void)snprintf(*path, n, "%s/%s", directory, HOST_CARRY_NAME);
+        return host_fail_of(error, directory, "start", "free memory");
     error->file = *path;
     if (host_file_read(*path, accept_ours, &bytes, error) != 0)
         return -1;

@@ -22,6 +22,9 @@ typedef struct host_carry_shape {
     float *rest, *now;            /* [n_vertices][3] mm, structures in a row; owned */
 } host_carry_shape;
 
+/* Room for as many structures and vertices as the shape says. 0, or -1 when out of memory. */
+int host_carry_allocate(host_carry_shape *shape);
+
 /* Writes the file's bytes into the buffer, which stores failure. */
 void host_carry_write(const host_carry_shape *shape, host_buffer *out);
 

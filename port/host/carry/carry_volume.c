@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/system.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 #define SWEEPS 60u
 #define FIT_SPACING_MM 5.0f /* coarser grids have too few voxels for the vertices, and are left */
@@ -29,6 +29,20 @@ static int64_t fill_slice(host_carried *c, const host_volume *grid, uint32_t z, 
     for (uint32_t i = 0; i < 3u * n; i++)
         to[i] -= xyz[i];
     return missed;
+}
+
+/* The share of a corner of eight points around a place between them. *i: the number of that point. */
+static double corner_share(const uint32_t size[3], const uint32_t low[3], const double share[3], uint32_t corner,
+                           size_t *i)
+{
+    double weight = 1.0;
+    *i = 0;
+    for (uint32_t k = 3; k-- > 0u;) {
+        const uint32_t up = corner >> k & 1u;
+        weight *= up ? share[k] : 1.0 - share[k];
+        *i = *i * size[k] + low[k] + up;
+    }
+    return weight;
 }
 
 /* A vertex and what the field should be there. */
@@ -60,13 +74,7 @@ static int find_knot(const host_carried *c, const host_volume *grid, const doubl
     }
     found->sum2 = 0.0;
     for (corner = 0; corner < 8u; corner++) {
-        found->weight[corner] = 1.0;
-        found->at[corner] = 0;
-        for (k = 3; k-- > 0u;) {
-            const uint32_t up = corner >> k & 1u;
-            found->weight[corner] *= up ? share[k] : 1.0 - share[k];
-            found->at[corner] = found->at[corner] * grid->size[k] + low[k] + up;
-        }
+        found->weight[corner] = corner_share(grid->size, low, share, corner, &found->at[corner]);
         found->sum2 += found->weight[corner] * found->weight[corner];
     }
     return 1;
@@ -129,11 +137,11 @@ int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t in
 void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,
                              host_buffer *out)
 {
-    host_volume_write_header(grid, HOST_FLOAT32, 3,
+    host_volume_write_header(grid, SMR_VOXEL_FLOAT, 3,
                              inverse ? "displacement field type:=resampling\nintent_code:=1006\n"
                                      : "displacement field type:=modeling\nintent_code:=1006\n",
                              path, out);
-    host_volume_write_values(field, HOST_FLOAT32, (size_t)3u * grid->size[0] * grid->size[1] * grid->size[2], out);
+    host_volume_write_values(field, SMR_VOXEL_FLOAT, (size_t)3u * grid->size[0] * grid->size[1] * grid->size[2], out);
 }
 
 #define LATTICE_MM 5.0 /* over it displacements are interpolated */
@@ -150,10 +158,10 @@ static void put_voxel(host_volume *v, size_t i, double value)
 {
     const double whole = floor(value + 0.5);
     switch (v->type) {
-    case HOST_UINT8: ((uint8_t *)v->voxels)[i] = (uint8_t)whole; break;
-    case HOST_INT8: ((int8_t *)v->voxels)[i] = (int8_t)whole; break;
-    case HOST_UINT16: ((uint16_t *)v->voxels)[i] = (uint16_t)whole; break;
-    case HOST_INT16: ((int16_t *)v->voxels)[i] = (int16_t)whole; break;
+    case SMR_VOXEL_UINT8: ((uint8_t *)v->voxels)[i] = (uint8_t)whole; break;
+    case SMR_VOXEL_INT8: ((int8_t *)v->voxels)[i] = (int8_t)whole; break;
+    case SMR_VOXEL_UINT16: ((uint16_t *)v->voxels)[i] = (uint16_t)whole; break;
+    case SMR_VOXEL_INT16: ((int16_t *)v->voxels)[i] = (int16_t)whole; break;
     default: ((float *)v->voxels)[i] = (float)value;
     }
 }
@@ -179,13 +187,8 @@ static double sample(const host_volume *v, const double index[3])
         if (!split(index[k], v->size[k], &at[k], &share[k]))
             return 0.0;
     for (corner = 0; corner < 8u; corner++) {
-        double weight = 1.0;
         size_t i = 0;
-        for (k = 3; k-- > 0u;) {
-            const uint32_t up = corner >> k & 1u;
-            weight *= up ? share[k] : 1.0 - share[k];
-            i = i * v->size[k] + at[k] + up;
-        }
+        const double weight = corner_share(v->size, at, share, corner, &i);
         if (weight > 0.0)
             sum += weight * host_voxel(v->voxels, v->type, i);
     }
@@ -203,13 +206,8 @@ static void displacement(const warp *w, const uint32_t index[3], double d[3])
         share[k] = (double)(index[k] % w->step[k]) / (double)w->step[k];
     }
     for (corner = 0; corner < 8u; corner++) {
-        double weight = 1.0;
         size_t i = 0;
-        for (k = 3; k-- > 0u;) {
-            const uint32_t up = corner >> k & 1u;
-            weight *= up ? share[k] : 1.0 - share[k];
-            i = i * w->n[k] + at[k] + up;
-        }
+        const double weight = corner_share(w->n, at, share, corner, &i);
         for (k = 0; k < 3 && weight > 0.0; k++)
             d[k] += weight * (double)w->moved[3u * i + k];
     }

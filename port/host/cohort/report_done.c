@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
-#include "cohort/report_done.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
@@ -13,56 +11,25 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "cohort/report_head.h"
 #include "files/file_read.h"
-#include "files/gzip_write.h"
 #include "report/json_write.h"
-
-enum { BLOCK = 1 << 16 };
-
-typedef struct check {
-    unsigned char block[BLOCK];
-    host_crc32 crc;
-} check;
-
-/* Reads as many bytes as there should be; one more or one fewer is another file. */
-static int same_content(int fd, uint64_t bytes, uint32_t crc32)
-{
-    check *const c = malloc(sizeof *c);
-    uint64_t left = bytes;
-    ssize_t got = 1;
-    if (c == NULL)
-        return 0;
-    host_crc32_start(&c->crc);
-    while (got > 0) {
-        got = read(fd, c->block, BLOCK);
-        if (got < 0 && errno == EINTR)
-            got = 1;
-        else if (got <= 0 || (uint64_t)got > left)
-            break;
-        else {
-            host_crc32_add(&c->crc, c->block, (size_t)got);
-            left -= (uint64_t)got;
-        }
-    }
-    int same = got == 0 && left == 0 && host_crc32_end(&c->crc) == crc32;
-    free(c);
-    return same;
-}
 
 /* 1 when the path leads to a regular file of so many bytes with this checksum (files/gzip_write.h). Does not count as
  * reading it (files/file_read.h). */
-static int host_file_is(const char *path, uint64_t bytes, uint32_t crc32)
+static int is_file(const char *path, uint64_t bytes, uint32_t crc32)
 {
     /* Without O_NONBLOCK, opening a named pipe without a writer would block for ever. */
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    host_error ignored = {0};
+    uint64_t found = 0;
+    uint32_t sum = 0;
     struct stat st;
-    int same = 0;
     if (fd < 0)
         return 0;
-    same =
-        fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && (uint64_t)st.st_size == bytes && same_content(fd, bytes, crc32);
+    int same = fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && (uint64_t)st.st_size == bytes &&
+               host_file_sum(fd, &found, &sum, &ignored) == 0 && found == bytes && sum == crc32;
     (void)close(fd);
     return same;
 }
@@ -114,12 +81,11 @@ static const char *next_argument(done_check *c)
     return NULL;
 }
 
-static int compare_word(host_scan *scan, const char *key, void *context)
+static int compare_word(host_scan *scan, void *context)
 {
     static const char *const start[] = {"smr", "register"};
     done_check *const c = context;
     size_t n = 0;
-    (void)key;
     if (host_scan_text(scan, c->path, sizeof c->path, &n) != 0 || n >= sizeof c->path)
         return differs(c, "another command", "");
     if (c->word < 2)
@@ -173,15 +139,14 @@ static int is_same_file(const done_check *c)
     if (c->has != 7u || c->path_bytes >= sizeof c->path || strlen(c->crc32) != 8u || *end != '\0' || sum > 0xffffffffu)
         return 0;
     char *path = c->inside ? host_report_beside(c->options->out, c->path) : NULL;
-    int same = (!c->inside || path != NULL) && host_file_is(path != NULL ? path : c->path, c->bytes, (uint32_t)sum);
+    int same = (!c->inside || path != NULL) && is_file(path != NULL ? path : c->path, c->bytes, (uint32_t)sum);
     free(path);
     return same;
 }
 
-static int compare_file(host_scan *scan, const char *key, void *context)
+static int compare_file(host_scan *scan, void *context)
 {
     done_check *const c = context;
-    (void)key;
     c->has = 0;
     c->path[0] = '\0';
     if (host_scan_object(scan, read_file_member, c) != 0)
@@ -254,11 +219,8 @@ int host_report_done(const host_options *options, host_report_head *head, char w
 
 static void put_distances(host_json *json, const host_report_head *head)
 {
-    if (head->to.n == 0 && head->from.n == 0) {
-        host_json_null(json, "distance_mm");
+    if (!host_json_object(json, "distance_mm", head->to.n > 0 || head->from.n > 0))
         return;
-    }
-    host_json_open(json, "distance_mm", '{');
     host_json_stats(json, "model_to_target", &head->to);
     host_json_stats(json, "target_to_model", &head->from);
     host_json_close(json, '}');

@@ -5,10 +5,12 @@
 #include "cohort/report_head.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+#include "files/file_names.h"
 
 /* 1 when the name stays in its directory: no empty part, and none that starts with a dot. */
 static int stays_inside(const char *name)
@@ -25,11 +27,7 @@ static int stays_inside(const char *name)
 
 char *host_report_beside(const char *directory, const char *name)
 {
-    const size_t n = strlen(directory) + strlen(name) + 2u;
-    char *path = stays_inside(name) ? malloc(n) : NULL;
-    if (path != NULL)
-        (void)snprintf(path, n, "%s/%s", directory, name);
-    return path;
+    return stays_inside(name) ? host_path_in(directory, name) : NULL;
 }
 
 int host_report_there(const char *path)
@@ -38,14 +36,13 @@ int host_report_there(const char *path)
     return lstat(path, &st) == 0;
 }
 
-static int is_object(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int is_object(const host_head *head, host_error *error)
 {
     size_t i = 0;
-    (void)path;
-    (void)total;
-    while (i < n && (head[i] == ' ' || head[i] == '\n' || head[i] == '\r' || head[i] == '\t'))
+    while (i < head->n &&
+           (head->data[i] == ' ' || head->data[i] == '\n' || head->data[i] == '\r' || head->data[i] == '\t'))
         i++;
-    return i < n && head[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
+    return i < head->n && head->data[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
 }
 
 int host_report_bytes(const char *path, host_bytes *bytes, host_error *error)
@@ -56,16 +53,9 @@ int host_report_bytes(const char *path, host_bytes *bytes, host_error *error)
 #define TEXT_OF(x) #x
 #define VERSION_TEXT(major, minor, patch) TEXT_OF(major) "." TEXT_OF(minor) "." TEXT_OF(patch)
 
-/* What the head must have. */
-enum { HAS_VERSION = 1, HAS_VERDICT = 2, HAS_REASONS = 4, HAS_ITERATIONS = 8, HAS_FOLDS = 16, HAS_PARTS = 32 };
-enum { HAS_ALL = 63 };
-
 typedef struct reading {
     host_report_head *head;
-    host_report_part part; /* the structure being read */
-    host_stats *stats;     /* the distance being read */
     uint32_t capacity;
-    unsigned has, part_has;
 } reading;
 
 const char *host_report_version(void) { return VERSION_TEXT(SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH); }
@@ -81,8 +71,12 @@ int host_scan_count(host_scan *scan, uint64_t *value)
     return 0;
 }
 
-int host_scan_number_or_null(host_scan *scan, double *value)
+static int read_count(host_scan *scan, void *to) { return host_scan_count(scan, to); }
+
+/* A number or null (NaN). */
+static int read_number(host_scan *scan, void *to)
 {
+    double *const value = to;
     *value = (double)NAN;
     if (host_scan_peek(scan) == 'n')
         return host_scan_skip(scan);
@@ -91,8 +85,9 @@ int host_scan_number_or_null(host_scan *scan, double *value)
     return isfinite(*value) ? 0 : host_scan_fail(scan, "a finite number or null");
 }
 
-static int read_verdict(host_scan *scan, int *level)
+static int read_verdict(host_scan *scan, void *to)
 {
+    int *const level = to;
     char text[16];
     size_t n = 0;
     if (host_scan_text(scan, text, sizeof text, &n) != 0)
@@ -105,70 +100,61 @@ static int read_verdict(host_scan *scan, int *level)
     return host_scan_fail(scan, "good, look or failed");
 }
 
-static int read_reason(host_scan *scan, const char *key, void *context)
+static int read_reason(host_scan *scan, void *context)
 {
     host_verdict *const verdict = context;
     size_t n = 0;
-    (void)key;
     if (verdict->n_reasons == HOST_REASONS_MAX)
         return host_scan_text(scan, NULL, 0, &n);
     return host_scan_text(scan, verdict->reason[verdict->n_reasons++], HOST_REASON_BYTES, &n);
 }
 
-static int read_statistic(host_scan *scan, const char *key, void *context)
-{
-    host_stats *const stats = context;
-    double *const to = strcmp(key, "mean") == 0  ? &stats->mean
-                       : strcmp(key, "rms") == 0 ? &stats->rms
-                       : strcmp(key, "p95") == 0 ? &stats->p95
-                       : strcmp(key, "max") == 0 ? &stats->max
-                                                 : NULL;
-    return to != NULL ? host_scan_number_or_null(scan, to) : host_scan_skip(scan);
-}
+static int read_reasons(host_scan *scan, void *to) { return host_scan_list(scan, read_reason, to); }
 
 /* An object of statistics, or null. */
-static int read_stats(host_scan *scan, host_stats *stats)
+static int read_stats(host_scan *scan, void *to)
 {
+    static const host_scan_field fields[] = {{"mean", read_number, offsetof(host_stats, mean)},
+                                             {"rms", read_number, offsetof(host_stats, rms)},
+                                             {"p95", read_number, offsetof(host_stats, p95)},
+                                             {"max", read_number, offsetof(host_stats, max)}};
     const host_stats none = {(double)NAN, (double)NAN, (double)NAN, (double)NAN, 1, 0.0};
-    memset(stats, 0, sizeof *stats);
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], to, 0, 0};
+    memset(to, 0, sizeof none);
     if (host_scan_peek(scan) == 'n')
         return host_scan_skip(scan);
-    *stats = none;
-    return host_scan_object(scan, read_statistic, stats);
+    memcpy(to, &none, sizeof none);
+    return host_scan_struct(scan, &o);
 }
 
-static int read_distance(host_scan *scan, const char *key, void *context)
+static int read_distances(host_scan *scan, void *head)
 {
-    host_report_head *const head = context;
-    if (strcmp(key, "model_to_target") == 0)
-        return read_stats(scan, &head->to);
-    return strcmp(key, "target_to_model") == 0 ? read_stats(scan, &head->from) : host_scan_skip(scan);
+    static const host_scan_field fields[] = {{"model_to_target", read_stats, offsetof(host_report_head, to)},
+                                             {"target_to_model", read_stats, offsetof(host_report_head, from)}};
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], head, 0, 0};
+    return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_struct(scan, &o);
 }
 
-static int read_time(host_scan *scan, const char *key, void *context)
+static int read_times(host_scan *scan, void *head)
 {
-    host_report_head *const head = context;
-    return strcmp(key, "total") == 0 ? host_scan_number_or_null(scan, &head->seconds) : host_scan_skip(scan);
+    static const host_scan_field fields[] = {{"total", read_number, offsetof(host_report_head, seconds)}};
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], head, 0, 0};
+    return host_scan_struct(scan, &o);
 }
 
-static int read_part_member(host_scan *scan, const char *key, void *context)
+static int read_name(host_scan *scan, void *to)
 {
-    reading *const r = context;
     size_t n = 0;
-    if (strcmp(key, "name") == 0) {
-        r->part_has |= HAS_PARTS;
-        return host_scan_text(scan, r->part.name, sizeof r->part.name, &n);
-    }
-    if (strcmp(key, "verdict") == 0) {
-        r->part_has |= HAS_VERDICT;
-        return read_verdict(scan, &r->part.level);
-    }
-    if (strcmp(key, "expected_error_mm") == 0)
-        return host_scan_number_or_null(scan, &r->part.expected_error_mm);
-    return host_scan_skip(scan);
+    return host_scan_text(scan, to, SMR_NAME_BYTES, &n);
 }
 
-static int add_part(host_scan *scan, reading *r)
+static int read_hash(host_scan *scan, void *to)
+{
+    size_t n = 0;
+    return host_scan_text(scan, to, sizeof((host_report_head *)0)->state_hash, &n);
+}
+
+static int add_part(host_scan *scan, reading *r, const host_report_part *part)
 {
     host_report_head *const head = r->head;
     if (head->n_parts == SMR_STRUCTURES_MAX)
@@ -181,37 +167,45 @@ static int add_part(host_scan *scan, reading *r)
         head->part = grown;
         r->capacity = capacity;
     }
-    head->part[head->n_parts++] = r->part;
+    head->part[head->n_parts++] = *part;
     return 0;
 }
 
-static int read_part(host_scan *scan, const char *key, void *context)
+static int read_part(host_scan *scan, void *context)
 {
-    reading *const r = context;
-    (void)key;
-    memset(&r->part, 0, sizeof r->part);
-    r->part.expected_error_mm = (double)NAN;
-    r->part_has = 0;
-    if (host_scan_object(scan, read_part_member, r) != 0)
+    static const host_scan_field fields[] = {
+        {"name", read_name, offsetof(host_report_part, name)},
+        {"verdict", read_verdict, offsetof(host_report_part, level)},
+        {"expected_error_mm", read_number, offsetof(host_report_part, expected_error_mm)}};
+    host_report_part part = {"", 0, (double)NAN};
+    host_scan_members o = {fields, sizeof fields / sizeof fields[0], &part, 0, 0};
+    if (host_scan_struct(scan, &o) != 0)
         return -1;
-    if (r->part_has != (HAS_PARTS | HAS_VERDICT))
+    if ((o.has & 3u) != 3u)
         return host_scan_fail(scan, "name and verdict in the structure that ends here");
-    return add_part(scan, r);
+    return add_part(scan, context, &part);
 }
 
-static int read_exit_status(host_scan *scan, int *status)
+static int read_parts(host_scan *scan, void *head)
+{
+    reading r = {head, 0};
+    return host_scan_list(scan, read_part, &r);
+}
+
+static int read_exit_status(host_scan *scan, void *status)
 {
     uint64_t value = 0;
     if (host_scan_count(scan, &value) != 0)
         return -1;
     if (value > 4u)
         return host_scan_fail(scan, "an exit status of at most 4");
-    *status = (int)value;
+    *(int *)status = (int)value;
     return 0;
 }
 
-static int read_version(host_scan *scan, char *version, size_t bytes)
+static int read_version(host_scan *scan, void *version)
 {
+    const size_t bytes = sizeof((host_report_head *)0)->version;
     size_t n = 0;
     if (host_scan_text(scan, version, bytes, &n) != 0)
         return -1;
@@ -220,54 +214,23 @@ static int read_version(host_scan *scan, char *version, size_t bytes)
     return host_fail_at(scan->error, "line", scan->text.line, "version %s: register again", host_report_version());
 }
 
-/* What needs no place of its own in the reading. */
-static int read_other(host_scan *scan, const char *key, host_report_head *head)
-{
-    size_t n = 0;
-    if (strcmp(key, "expected_error_mm") == 0)
-        return host_scan_number_or_null(scan, &head->verdict.expected_error_mm);
-    if (strcmp(key, "exit_status") == 0)
-        return read_exit_status(scan, &head->exit_status);
-    if (strcmp(key, "distance_mm") == 0 && host_scan_peek(scan) != 'n')
-        return host_scan_object(scan, read_distance, head);
-    if (strcmp(key, "hausdorff_mm") == 0)
-        return host_scan_number_or_null(scan, &head->hausdorff_mm);
-    if (strcmp(key, "time_s") == 0)
-        return host_scan_object(scan, read_time, head);
-    if (strcmp(key, "state_hash") == 0)
-        return host_scan_text(scan, head->state_hash, sizeof head->state_hash, &n);
-    return host_scan_skip(scan);
-}
+#define IN_HEAD(member) offsetof(host_report_head, member)
 
-/* A key that is there twice is no report: which one would count? */
-static int mark(host_scan *scan, reading *r, unsigned what)
-{
-    if ((r->has & what) != 0)
-        return host_scan_fail(scan, "each key once");
-    r->has |= what;
-    return 0;
-}
+/* The first N_NEEDED of these must be there, once. */
+static const host_scan_field top_fields[] = {{"version", read_version, IN_HEAD(version)},
+                                             {"verdict", read_verdict, IN_HEAD(verdict.level)},
+                                             {"reasons", read_reasons, IN_HEAD(verdict)},
+                                             {"iterations", read_count, IN_HEAD(iterations)},
+                                             {"folds", read_count, IN_HEAD(folds)},
+                                             {"per_structure", read_parts, 0},
+                                             {"expected_error_mm", read_number, IN_HEAD(verdict.expected_error_mm)},
+                                             {"exit_status", read_exit_status, IN_HEAD(exit_status)},
+                                             {"distance_mm", read_distances, 0},
+                                             {"hausdorff_mm", read_number, IN_HEAD(hausdorff_mm)},
+                                             {"time_s", read_times, 0},
+                                             {"state_hash", read_hash, IN_HEAD(state_hash)}};
 
-static int read_top(host_scan *scan, const char *key, void *context)
-{
-    static const char *const needed[] = {"version", "verdict", "reasons", "iterations", "folds", "per_structure"};
-    reading *const r = context;
-    host_report_head *const head = r->head;
-    unsigned i = 0;
-    while (i < 6u && strcmp(key, needed[i]) != 0)
-        i++;
-    if (i < 6u && mark(scan, r, 1u << i) != 0)
-        return -1;
-    switch (i) {
-    case 0: return read_version(scan, head->version, sizeof head->version);
-    case 1: return read_verdict(scan, &head->verdict.level);
-    case 2: return host_scan_list(scan, read_reason, &head->verdict);
-    case 3: return host_scan_count(scan, &head->iterations);
-    case 4: return host_scan_count(scan, &head->folds);
-    case 5: return host_scan_list(scan, read_part, r);
-    default: return read_other(scan, key, head);
-    }
-}
+#define N_NEEDED 6u
 
 static void clear(host_report_head *head)
 {
@@ -280,14 +243,14 @@ static void clear(host_report_head *head)
 
 int host_report_parse(const void *data, size_t n, host_report_head *head, host_error *error)
 {
-    reading r = {0};
-    clear(head);
-    r.head = head;
+    const unsigned needed = (1u << N_NEEDED) - 1u;
+    host_scan_members top = {top_fields, sizeof top_fields / sizeof top_fields[0], head, 0, needed};
     host_scan scan = {host_text_over(data, n), error, 0};
-    int result = host_scan_object(&scan, read_top, &r);
+    clear(head);
+    int result = host_scan_struct(&scan, &top);
     if (result == 0)
         result = host_scan_end(&scan);
-    if (result == 0 && r.has != HAS_ALL)
+    if (result == 0 && (top.has & needed) != needed)
         result = host_fail(error, "content", "a whole report.json of smr register, version %s", host_report_version());
     if (result != 0)
         host_report_free(head);

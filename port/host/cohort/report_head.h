@@ -1,5 +1,5 @@
 /* report_head.h: the files of a directory of results, and what its report.json says at its head, read from bytes that
- * may be anything.
+ * may be anything; whether a result is there already, for --skip-done; the line of --json.
  * SPDX-License-Identifier: MIT */
 #ifndef REPORT_HEAD_H
 #define REPORT_HEAD_H
@@ -9,6 +9,8 @@
 #include "measure/surface_distances.h"
 #include "register/register_job.h"
 #include "smr.h"
+#include "base/byte_buffer.h"
+#include "options/options.h"
 
 /* "DIRECTORY/NAME", to be freed. NULL when out of memory, or where the name leads out of the directory. */
 char *host_report_beside(const char *directory, const char *name);
@@ -53,8 +55,29 @@ void host_report_free(host_report_head *head);
 /* "0.1.0": the version of this program. */
 const char *host_report_version(void);
 
-/* Reads a whole number of 0 to 2^53, and a number or null (NaN). 0, or -1 with the error filled. */
+/* Reads a whole number of 0 to 2^53. 0, or -1 with the error filled. */
 int host_scan_count(host_scan *scan, uint64_t *value);
-int host_scan_number_or_null(host_scan *scan, double *value);
+
+#define HOST_WHY_BYTES 360u
+
+/* Looks for a result in options->out. Returns 1 when its report.json is of this version, has the same words of the
+ * command line (but for --skip-done, --json, --quiet and --threads, which change no result), and all inputs and results
+ * that it names are there with the checksums that it names; the head is then filled and to be freed. Else 0, the head
+ * empty, and why: what is another, or an empty text where there is no report. */
+int host_report_done(const host_options *options, host_report_head *head, char why[HOST_WHY_BYTES]);
+
+/* Writes the head's facts by report.json's names on one line, with the directory, and whether they were found done. The
+ * buffer stores failure. */
+void host_report_line(const host_report_head *head, const char *directory, int skipped, host_buffer *out);
+
+/* Prints that line on standard output, of the bytes of a report.json, at once and after what stands there. 0, or -1
+ * with the error filled. */
+int host_report_print(const host_buffer *report, const char *directory, host_error *error);
+
+/* Says that a result was found done: as that line, or as one for people; nothing where quiet says so. */
+int host_report_skipped(const host_report_head *head, const host_options *options, host_error *error);
+
+/* Says on standard error, in one line, why a result that is there is computed again. */
+void host_report_again(const char *directory, const char *why);
 
 #endif

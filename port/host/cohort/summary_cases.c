@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "cohort/report_head.h"
 #include "files/file_names.h"
 #include "html/page_data.h"

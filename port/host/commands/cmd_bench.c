@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/system.h"
 #include "bench/bench_job.h"
@@ -77,22 +76,13 @@ static int write_set(const phantom *ph, int set, host_output *output, host_error
     int result = 0;
     for (uint32_t i = 0; result == 0 && i < FIXTURE_THIGH_PARTS; i++) {
         (void)snprintf(name, sizeof name, "%s/%s.ply", set_names[set], ph->thigh.thigh.part[i].name);
-        buffer.size = 0;
         host_mesh_write(&ph->thigh.mesh[set][i], HOST_FORMAT_PLY, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
     }
-    if (result == 0) {
-        buffer.size = 0;
-        put_image(ph, set, &buffer);
-        result = host_output_add(output, image_names[set], &buffer, error);
-    }
-    if (result == 0) {
-        buffer.size = 0;
-        put_landmarks(ph, set, &buffer);
-        result = host_output_add(output, landmark_names[set], &buffer, error);
-    }
-    host_buffer_free(&buffer);
-    return result;
+    put_image(ph, set, &buffer);
+    result = host_output_take(output, image_names[set], &buffer, result, error);
+    put_landmarks(ph, set, &buffer);
+    return host_output_take(output, landmark_names[set], &buffer, result, error);
 }
 
 static int write_phantom(const phantom *ph, host_error *error)
@@ -114,13 +104,6 @@ static void tell(const phantom *ph, double seconds)
                  ph->thigh.box[0].n[2], ph->thigh.box[1].n[0], ph->thigh.box[1].n[1], ph->thigh.box[1].n[2], seconds);
 }
 
-static void free_phantom(phantom *ph)
-{
-    host_thigh_free(&ph->thigh);
-    host_port_close(&ph->port);
-    free(ph);
-}
-
 int host_phantom(const host_options *options, host_error *error)
 {
     const double begin = host_seconds();
@@ -140,6 +123,8 @@ int host_phantom(const host_options *options, host_error *error)
     }
     if (result == HOST_DONE && !options->quiet)
         tell(ph, host_seconds() - begin);
-    free_phantom(ph);
+    host_thigh_free(&ph->thigh);
+    host_port_close(&ph->port);
+    free(ph);
     return result;
 }

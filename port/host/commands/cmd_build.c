@@ -70,13 +70,9 @@ static int add_c_array(const host_model *model, const host_options *options, hos
     const int alone = is_source(options->out);
     char *const path = alone ? NULL : beside(options->out);
     host_buffer text = {0};
-    int result = 0;
+    int result = alone || path != NULL ? 0 : host_fail(error, "output", "free memory");
     put_c_array(model, options->c_array, &text);
-    if (!alone && path == NULL)
-        result = host_fail(error, "output", "free memory");
-    else
-        result = host_output_add(output, alone ? options->out : path, &text, error);
-    host_buffer_free(&text);
+    result = host_output_take(output, alone ? options->out : path, &text, result, error);
     /* The output set has its own copy of the name, but the error may still point to this one. */
     if (result != 0)
         error->file = options->out;
@@ -88,10 +84,8 @@ static int write_model(const host_model *model, const host_options *options, hos
 {
     const int source_only = options->c_array != NULL && is_source(options->out);
     host_output *const output = host_output_begin(NULL);
-    host_buffer image = {0};
+    const host_buffer image = {model->prepared, model->prepared_bytes, 0, 0}; /* borrowed: it is not freed */
     int result = 0;
-    image.data = model->prepared; /* borrowed: the buffer is not freed */
-    image.size = model->prepared_bytes;
     error->file = options->out;
     if (!source_only)
         result = host_output_add(output, options->out, &image, error);

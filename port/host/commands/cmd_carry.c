@@ -3,14 +3,13 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "carry/carry_result.h"
 #include "carry/carry_volume.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
-#include "landmarks/points_file.h"
-#include "volumes/volume_write.h"
+#include "landmarks/landmarks.h"
+#include "volumes/voxel_volume.h"
 
 #define NAMED_MAX 5u /* points that were not found are named up to here */
 

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/error_line.h"
 #include "base/system.h"
@@ -12,7 +11,6 @@
 #include "files/file_names.h"
 #include "labels/label_map.h"
 #include "landmarks/landmarks.h"
-#include "model/input_check.h"
 #include "model/model_from_files.h"
 #include "volumes/voxel_volume.h"
 
@@ -71,11 +69,7 @@ static void print_labels(const host_label_map *map)
 
 static void print_map(const char *path, const host_label_map *map)
 {
-    smr_volume view = {0};
-    memcpy(view.size, map->grid.size, sizeof view.size);
-    memcpy(view.origin, map->grid.origin, sizeof view.origin);
-    memcpy(view.spacing, map->grid.spacing, sizeof view.spacing);
-    memcpy(view.direction, map->grid.direction, sizeof view.direction);
+    const smr_volume view = host_volume_view(&map->grid);
     (void)printf("label map %s  voxels %u x %u x %u  layers %u  labels %u\n", path, view.size[0], view.size[1],
                  view.size[2], map->n_layers, map->n_labels);
     print_place(&view);

@@ -72,37 +72,26 @@ static void put_table(const host_label_map *map, host_buffer *out)
     }
 }
 
-static int write_surfaces(const host_label_map *map, const host_label_surface *surface, host_output *output,
+static int write_surfaces(const host_label_map *map, const host_label_surface *surface, const char *directory,
                           host_error *error)
 {
+    host_output *const output = host_output_begin(directory);
     host_buffer buffer = {0};
     char name[SMR_NAME_BYTES + 8u];
     unsigned char colour[3];
     int result = 0;
     for (uint32_t i = 0; result == 0 && i < map->n_labels; i++) {
         (void)snprintf(name, sizeof name, "%s.ply", map->label[i].name);
-        buffer.size = 0;
         colour_of(&map->label[i], i, colour);
         if (map->label[i].coloured)
             host_mesh_write_coloured(&surface[i].mesh, colour, &buffer);
         else
             host_mesh_write(&surface[i].mesh, HOST_FORMAT_PLY, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
     }
-    if (result == 0) {
-        buffer.size = 0;
-        put_table(map, &buffer);
-        result = host_output_add(output, TABLE, &buffer, error);
-    }
-    host_buffer_free(&buffer);
-    return result;
-}
-
-static int write_all(const host_label_map *map, const host_label_surface *surface, const char *directory,
-                     host_error *error)
-{
-    host_output *const output = host_output_begin(directory);
-    return host_output_end(output, write_surfaces(map, surface, output, error), error);
+    put_table(map, &buffer);
+    result = host_output_take(output, TABLE, &buffer, result, error);
+    return host_output_end(output, result, error);
 }
 
 static void tell(const host_options *options, const host_label_map *map, const host_label_surface *surface)
@@ -132,7 +121,7 @@ int host_surfaces(const host_options *options, host_error *error)
         if (surface == NULL)
             (void)host_fail(error, "labels", "free memory");
         else if (host_label_surfaces_make(&port.port, &map, options->passes, options->triangles, surface, error) == 0 &&
-                 write_all(&map, surface, options->out, error) == 0)
+                 write_surfaces(&map, surface, options->out, error) == 0)
             result = HOST_DONE;
     }
     if (result == HOST_DONE && !options->quiet)

@@ -11,7 +11,7 @@
 #include "labels/label_overlap.h"
 #include "measure/surface_distances.h"
 #include "meshes/triangle_mesh.h"
-#include "model/input_check.h"
+#include "model/model_from_files.h"
 #include "options/options_table.h"
 
 static void print_one(const host_overlap *o)
@@ -58,7 +58,8 @@ static int compare(const host_label_side side[2], const smr_port *port, host_err
     return n >= 0 ? 0 : -1;
 }
 
-int host_measure_labels(const host_options *options, host_error *error)
+/* When one of the two is a label map, or both. */
+static int host_measure_labels(const host_options *options, host_error *error)
 {
     host_label_side side[2];
     host_port port = {0};
@@ -96,16 +97,15 @@ static int load(measured *m, const host_options *options, const smr_port *port, 
 {
     m->n = options->source != NULL ? 3 : 2;
     for (uint32_t i = 0; i < m->n; i++) {
-        m->load[i].path = i < 2 ? options->operands.path[i] : options->source;
-        m->load[i].need = i < 2 ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE;
-        m->load[i].mirror = HOST_MIRROR_NONE;
+        m->load[i] = (host_load){.path = i < 2 ? options->operands.path[i] : options->source,
+                                 .need = i < 2 ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE,
+                                 .mirror = HOST_MIRROR_NONE};
     }
     if (host_load_all(port, m->load, m->n, error) != 0)
         return -1;
-    if (m->load[0].mesh.n_triangles == 0 && m->load[1].mesh.n_triangles == 0) {
-        error->file = m->load[1].path;
-        return host_fail(error, "faces", "at least one triangle, for one of the two must be a surface");
-    }
+    if (m->load[0].mesh.n_triangles == 0 && m->load[1].mesh.n_triangles == 0)
+        return host_fail_of(error, m->load[1].path, "faces",
+                            "at least one triangle, for one of the two must be a surface");
     return 0;
 }
 

@@ -1,15 +1,14 @@
 /* cmd_register.c: smr register: calls the steps of a registration in order and writes its files.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "carry/carry_result.h"
-#include "cohort/report_done.h"
+#include "cohort/report_head.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
-#include "html/report_html.h"
+#include "html/page_data.h"
 #include "report/register_report.h"
 #include "scene/mrml_scene.h"
 
@@ -21,11 +20,9 @@ static int write_surfaces(const host_job *job, host_output *output, host_error *
         char name[SMR_NAME_BYTES + 4u];
         (void)snprintf(name, sizeof name, "%s%s", job->model.part[i].name,
                        host_format_extension((int)job->options->format));
-        buffer.size = 0;
         host_job_surface(job, i, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
     }
-    host_buffer_free(&buffer);
     return result;
 }
 
@@ -34,9 +31,7 @@ static int write_carry(const host_job *job, host_output *output, host_error *err
 {
     host_buffer buffer = {0};
     host_job_carry(job, &buffer);
-    int result = host_output_add(output, HOST_CARRY_NAME, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, HOST_CARRY_NAME, &buffer, 0, error);
 }
 
 /* The log, or the save. */
@@ -68,10 +63,8 @@ static int write_page(const host_job *job, host_output *output, host_error *erro
     host_buffer report = {0}, page = {0};
     host_job_report(job, status_of(job), output, &report);
     host_report_html(job, &report, &page);
-    int result = host_output_add(output, "report.html", &page, error);
     host_buffer_free(&report);
-    host_buffer_free(&page);
-    return result;
+    return host_output_take(output, "report.html", &page, 0, error);
 }
 
 /* Writes results, scene, log, trace and save, then the report, which tells of the others. */

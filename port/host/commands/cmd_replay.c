@@ -3,7 +3,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "commands/commands.h"
 #include "files/log_file.h"
@@ -192,14 +191,11 @@ static int run(replayed *r, uint32_t threads, host_error *error)
 
 int host_replay(const host_options *options, host_error *error)
 {
-    static char blamed[512]; /* a copy: the error is printed after the log and its texts are freed */
     replayed r = {0};
     r.path = options->operands.path[0];
     int result = run(&r, options->threads, error);
-    if (result == HOST_REFUSED && error->file != NULL) {
-        (void)snprintf(blamed, sizeof blamed, "%s", error->file);
-        error->file = blamed;
-    }
+    if (result == HOST_REFUSED)
+        host_error_keep(error); /* it may borrow one of the log's texts */
     host_job_free(&r.job);
     host_options_free(&r.options);
     host_log_free(&r.log);

@@ -23,9 +23,7 @@ static int add_table(const host_cases *cases, const host_options *options, host_
 {
     host_buffer buffer = {NULL, 0, 0, 0};
     host_summary_table(cases, (int)options->times, &buffer);
-    int result = host_output_add_path(output, options->out, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, options->out, &buffer, 0, error);
 }
 
 static int add_page(const host_cases *cases, const host_options *options, host_output *output, host_error *error)
@@ -35,10 +33,7 @@ static int add_page(const host_cases *cases, const host_options *options, host_o
     error->file = options->overview;
     if (host_summary_page(cases, options->overview, &buffer) != 0)
         result = host_fail(error, "output", "free memory");
-    else
-        result = host_output_add_path(output, options->overview, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, options->overview, &buffer, result, error);
 }
 
 static int write_outputs(const host_cases *cases, const host_options *options, host_error *error)

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "carry/carry_result.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
-#include "html/report_html.h"
+#include "html/page_data.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
 
@@ -73,15 +73,12 @@ static int check_names(tracked *t, host_error *error)
 {
     for (uint32_t i = 0; i < t->frames.n; i++)
         for (uint32_t k = 0; k < t->frames.frame[i].files.n; k++)
-            if (host_frame_part(&t->frames.frame[i], k, &t->job.model) == HOST_NO_PART) {
-                error->file = t->frames.frame[i].files.path[k];
-                return host_fail(error, "name", "the name of one of the model's structures");
-            }
+            if (host_frame_part(&t->frames.frame[i], k, &t->job.model) == HOST_NO_PART)
+                return host_fail_of(error, t->frames.frame[i].files.path[k], "name",
+                                    "the name of one of the model's structures");
     for (uint32_t i = 0; i < t->frames.n && t->options.html; i++)
-        if (strcmp(t->frames.frame[i].name, PAGE) == 0) {
-            error->file = t->frames.frame[i].name;
-            return host_fail(error, "name", "another name, that is the page's");
-        }
+        if (strcmp(t->frames.frame[i].name, PAGE) == 0)
+            return host_fail_of(error, t->frames.frame[i].name, "name", "another name, that is the page's");
     return 0;
 }
 
@@ -118,8 +115,8 @@ static int start(tracked *t, const host_options *options, host_error *error)
 
 static int refuse(const host_frame *frame, smr_status status, host_error *error)
 {
-    error->file = frame->files.path[0];
-    return host_fail(error, "frame", "surfaces or clouds within the library's limits (%s)", smr_status_name(status));
+    return host_fail_of(error, frame->files.path[0], "frame", "surfaces or clouds within the library's limits (%s)",
+                        smr_status_name(status));
 }
 
 /* By what the library says, and by what contact has left. */
@@ -177,15 +174,13 @@ static int add_parts(tracked *t, const host_frame *frame, host_output *output, h
         (void)snprintf(name, sizeof name, "%s/%s%s", frame->name, part->name,
                        host_format_extension((int)t->options.format));
         mesh.xyz = malloc((mesh.n_vertices + 1u) * 3u * sizeof *mesh.xyz);
-        buffer.size = 0;
         if (mesh.xyz == NULL || smr_get_positions(t->job.state, i, mesh.xyz) != SMR_OK)
             buffer.failed = 1;
         else
             host_mesh_write(&mesh, (int)t->options.format, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
         free(mesh.xyz);
     }
-    host_buffer_free(&buffer);
     return result;
 }
 
@@ -196,9 +191,7 @@ static int add_carry(tracked *t, const host_frame *frame, host_output *output, h
     host_buffer buffer = {0};
     (void)snprintf(name, sizeof name, "%s/" HOST_CARRY_NAME, frame->name);
     host_job_carry(&t->job, &buffer);
-    int result = host_output_add(output, name, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, name, &buffer, 0, error);
 }
 
 /* Keeps the frame for the page. loads: its meshes; NULL: those of the first frame, none of an image. */
@@ -219,9 +212,7 @@ static int add_page(tracked *t, host_output *output, host_error *error)
 {
     host_buffer buffer = {0};
     host_track_page_write(t->page, &buffer);
-    int result = host_output_add(output, PAGE, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, PAGE, &buffer, 0, error);
 }
 
 /* A frame's files, and at times the table as far as it is: a set of their own, there in whole or not at all. */
@@ -338,16 +329,6 @@ static void print(const tracked *t)
     host_track_print_verdict(&t->verdict);
 }
 
-/* The error outlives the frames, whose texts it may borrow. */
-static void keep_file(host_error *error)
-{
-    static char path[2048];
-    if (error->file == NULL)
-        return;
-    (void)snprintf(path, sizeof path, "%s", error->file);
-    error->file = path;
-}
-
 int host_track(const host_options *options, host_error *error)
 {
     tracked *const t = calloc(1, sizeof *t);
@@ -364,7 +345,7 @@ int host_track(const host_options *options, host_error *error)
             print(t);
     }
     if (result == HOST_REFUSED)
-        keep_file(error);
+        host_error_keep(error); /* it may borrow a frame's name */
     host_track_page_free(t->page);
     host_job_free(&t->job);
     host_image_free(&t->image[0]);

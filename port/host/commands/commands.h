@@ -28,7 +28,6 @@ int host_warp(const host_options *options, host_error *error);
 int host_summary(const host_options *options, host_error *error);
 int host_surfaces(const host_options *options, host_error *error);
 int host_labels(const host_options *options, host_error *error);
-int host_measure_labels(const host_options *options, host_error *error); /* of measure, when both are label maps */
 int host_measure(const host_options *options, host_error *error);
 
 #endif

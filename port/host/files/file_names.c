@@ -52,6 +52,21 @@ size_t host_base_name(const char *path, char *name, size_t bytes)
     return n;
 }
 
+int host_starts_with(const unsigned char *head, size_t n, const char *text)
+{
+    const size_t k = strlen(text);
+    return n >= k && memcmp(head, text, k) == 0;
+}
+
+char *host_path_in(const char *directory, const char *name)
+{
+    const size_t n = strlen(directory) + strlen(name) + 2u;
+    char *const path = malloc(n);
+    if (path != NULL)
+        (void)snprintf(path, n, "%s/%s", directory, name);
+    return path;
+}
+
 void host_path_to_parent(char *path)
 {
     size_t n = strlen(path);
@@ -168,8 +183,7 @@ static const sign *sign_of(const char *path, const unsigned char *head, size_t n
 {
     for (size_t i = 0; i < sizeof first_bytes / sizeof first_bytes[0]; i++) {
         const sign *const s = &first_bytes[i];
-        const size_t k = strlen(s->text);
-        if (n >= s->at + k && memcmp(head + s->at, s->text, k) == 0)
+        if (n >= s->at && host_starts_with(head + s->at, n - s->at, s->text))
             return s;
     }
     for (size_t i = 0; i < sizeof extensions / sizeof extensions[0]; i++)

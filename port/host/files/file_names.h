@@ -17,6 +17,12 @@ int host_has_extension(const char *path, const char *extension);
 /* 1 when the path ends with ".gz", regardless of case. */
 int host_is_packed_name(const char *path);
 
+/* 1 when the n bytes start with the text. */
+int host_starts_with(const unsigned char *head, size_t n, const char *text);
+
+/* "DIRECTORY/NAME", to be freed. NULL when out of memory. */
+char *host_path_in(const char *directory, const char *name);
+
 /* Replaces the path by its parent: "a/b" -> "a", "/a" -> "/", "a" -> ".". The array has room for two bytes or more. */
 void host_path_to_parent(char *path);
 

@@ -65,7 +65,7 @@ static int drain(int from, const char *path, host_accept accept, host_bytes *byt
         if (!asked && accept != NULL && bytes->size > 0 && (r == 0 || bytes->size >= HOST_HEAD_BYTES)) {
             const size_t head = bytes->size < HOST_HEAD_BYTES ? bytes->size : HOST_HEAD_BYTES;
             asked = 1;
-            if (accept(path, bytes->data, head, r == 0 ? bytes->size : 0, error) != 0) {
+            if (accept(&(host_head){path, bytes->data, head, r == 0 ? bytes->size : 0}, error) != 0) {
                 host_kind_found(error, path, bytes->data, head);
                 return -1;
             }
@@ -150,7 +150,7 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     size_t got = 0, rest = 0;
     if (read_up_to(fd, head, first, &got, error) != 0)
         return -1;
-    if (accept != NULL && accept(path, head, got, size, error) != 0) {
+    if (accept != NULL && accept(&(host_head){path, head, got, size}, error) != 0) {
         host_kind_found(error, path, head, got);
         return -1;
     }
@@ -188,28 +188,58 @@ static int rewind_file(int fd, host_error *error)
                                        : host_fail(error, "file", "a file that can be rewound (%s)", strerror(errno));
 }
 
-/* Adds the checksum of an open file, which was read, to what is known of it. */
-static int keep_checksum(int fd, size_t index, host_error *error)
+int host_file_blocks(int fd, void (*take)(void *context, const unsigned char *block, size_t n), void *context,
+                     host_error *error)
 {
     enum { BLOCK = 1 << 16 };
     unsigned char *const block = malloc(BLOCK);
-    host_crc32 *const crc = malloc(sizeof *crc);
     size_t got = BLOCK;
-    int result = block != NULL && crc != NULL ? rewind_file(fd, error) : host_fail(error, "file", "free memory");
-    if (result == 0)
-        host_crc32_start(crc);
+    int result = block != NULL ? 0 : host_fail(error, "file", "free memory");
     while (result == 0 && got == BLOCK) {
         result = read_up_to(fd, block, BLOCK, &got, error);
-        host_crc32_add(crc, block, got);
-    }
-    if (result == 0) {
-        (void)pthread_mutex_lock(&seen.lock);
-        seen.file[index].input.crc32 = host_crc32_end(crc);
-        (void)pthread_mutex_unlock(&seen.lock);
+        if (result == 0)
+            take(context, block, got);
     }
     free(block);
-    free(crc);
     return result;
+}
+
+typedef struct sum {
+    host_crc32 crc;
+    uint64_t bytes;
+} sum;
+
+static void add_block(void *context, const unsigned char *block, size_t n)
+{
+    sum *const s = context;
+    host_crc32_add(&s->crc, block, n);
+    s->bytes += n;
+}
+
+int host_file_sum(int fd, uint64_t *bytes, uint32_t *crc32, host_error *error)
+{
+    sum *const s = calloc(1, sizeof *s);
+    if (s == NULL)
+        return host_fail(error, "file", "free memory");
+    host_crc32_start(&s->crc);
+    int result = host_file_blocks(fd, add_block, s, error);
+    *bytes = s->bytes;
+    *crc32 = host_crc32_end(&s->crc);
+    free(s);
+    return result;
+}
+
+/* Adds the checksum of an open file, which was read, to what is known of it. */
+static int keep_checksum(int fd, size_t index, host_error *error)
+{
+    uint64_t bytes = 0;
+    uint32_t crc32 = 0;
+    if (rewind_file(fd, error) != 0 || host_file_sum(fd, &bytes, &crc32, error) != 0)
+        return -1;
+    (void)pthread_mutex_lock(&seen.lock);
+    seen.file[index].input.crc32 = crc32;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return 0;
 }
 
 /* *index: the file's number from here on. */

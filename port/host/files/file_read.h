@@ -19,9 +19,16 @@ typedef struct host_bytes {
     size_t size;
 } host_bytes;
 
-/* Decides by the first n bytes of a file. total: the file's size, 0 when unknown (compressed).
- * Returns 0 to read on, -1 with the error filled to stop before a large file is read in vain. */
-typedef int (*host_accept)(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error);
+/* The start of a file. */
+typedef struct host_head {
+    const char *path;
+    const unsigned char *data; /* [n] */
+    size_t n, total;           /* total: the file's size, 0 when unknown (compressed) */
+} host_head;
+
+/* Decides by the start of a file. Returns 0 to read on, -1 with the error filled to stop before a large file is read in
+ * vain. */
+typedef int (*host_accept)(const host_head *head, host_error *error);
 
 /* Reads a regular file and unpacks it when it is a gzip file. 0, or -1 with the error filled. */
 int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error);
@@ -49,6 +56,14 @@ void host_file_keep_checksums(void);
 /* Those files but numbers first to end - 1, sorted by name, each name once. Returns how many there are, or -1 when out
  * of memory; free(*inputs). */
 int host_file_list(size_t first, size_t end, host_input **inputs);
+
+/* Calls take(context, block, n) for the blocks of an open file, of a multiple of 8 bytes but for the last one. 0, or -1
+ * with the error filled. */
+int host_file_blocks(int fd, void (*take)(void *context, const unsigned char *block, size_t n), void *context,
+                     host_error *error);
+
+/* Finds the size and the checksum of the rest of an open file. 0, or -1 with the error filled. */
+int host_file_sum(int fd, uint64_t *bytes, uint32_t *crc32, host_error *error);
 
 void host_file_free(host_bytes *bytes);
 

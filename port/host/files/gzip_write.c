@@ -5,7 +5,6 @@
 
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 void host_crc32_start(host_crc32 *crc)
 {
@@ -74,6 +73,14 @@ static void put_bits(packer *p, uint32_t value, unsigned n)
         host_buffer_add(p->out, &byte, 1);
         p->bits >>= 8;
     }
+}
+
+uint32_t host_crc32_of(const void *data, size_t n)
+{
+    host_crc32 crc;
+    host_crc32_start(&crc);
+    host_crc32_add(&crc, data, n);
+    return host_crc32_end(&crc);
 }
 
 /* A code, whose highest bit comes first. */

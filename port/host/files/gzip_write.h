@@ -17,6 +17,9 @@ void host_crc32_start(host_crc32 *crc);
 void host_crc32_add(host_crc32 *crc, const void *data, size_t n);
 uint32_t host_crc32_end(const host_crc32 *crc);
 
+/* The checksum of n bytes. */
+uint32_t host_crc32_of(const void *data, size_t n);
+
 /* Appends a gzip file of n bytes to the buffer, which stores failure. Packs runs and repeats, as label maps have them,
  * well, other data hardly. */
 void host_gzip_write(const unsigned char *data, size_t n, host_buffer *out);

@@ -7,7 +7,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,7 +16,6 @@
 
 #define MAGIC "smr-run 1 "
 #define LINE_MAX_BYTES 96u
-#define BLOCK 65536u
 
 /* Mixes by the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 uint64_t host_log_checksum(uint64_t sum, const unsigned char *bytes, size_t n)
@@ -34,47 +32,30 @@ uint64_t host_log_checksum(uint64_t sum, const unsigned char *bytes, size_t n)
     return sum;
 }
 
-static int measure_open(int fd, host_log_input *input, host_error *error)
+#define WANTED "a readable file, as it was when recorded (%s)"
+
+static void measure_block(void *context, const unsigned char *block, size_t n)
 {
-    static const char *const wanted = "a readable file, as it was when recorded (%s)";
-    unsigned char *const block = malloc(BLOCK);
-    struct stat st;
-    size_t have = 0;
-    int result = 0;
-    input->bytes = input->checksum = 0;
-    if (block == NULL)
-        result = host_fail(error, "file", "free memory");
-    else if (fstat(fd, &st) != 0)
-        result = host_fail(error, "file", wanted, strerror(errno));
-    else if (!S_ISREG(st.st_mode))
-        result = host_fail(error, "file", "a regular file");
-    while (result == 0) {
-        const ssize_t got = read(fd, block + have, BLOCK - have);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got < 0)
-            result = host_fail(error, "file", wanted, strerror(errno));
-        have += got > 0 ? (size_t)got : 0;
-        if (got == 0 || have == BLOCK) { /* all blocks but the last are multiples of 8 bytes */
-            input->checksum = host_log_checksum(input->checksum, block, have);
-            input->bytes += have;
-            have = 0;
-        }
-        if (got == 0)
-            break;
-    }
-    free(block);
-    return result;
+    host_log_input *const input = context;
+    input->checksum = host_log_checksum(input->checksum, block, n);
+    input->bytes += n;
 }
 
 int host_log_measure(const char *path, host_log_input *input, host_error *error)
 {
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    error->file = path;
-    input->path = path;
+    struct stat st;
+    int result = 0;
+    *input = (host_log_input){path, 0, 0};
     if (fd < 0)
-        return host_fail(error, "file", "a readable file, as it was when recorded (%s)", strerror(errno));
-    int result = measure_open(fd, input, error);
+        return host_fail_of(error, path, "file", WANTED, strerror(errno));
+    error->file = path;
+    if (fstat(fd, &st) != 0)
+        result = host_fail(error, "file", WANTED, strerror(errno));
+    else if (!S_ISREG(st.st_mode))
+        result = host_fail(error, "file", "a regular file");
+    else
+        result = host_file_blocks(fd, measure_block, input, error);
     (void)close(fd);
     return result;
 }
@@ -216,11 +197,9 @@ static int read_all(reader *r, host_log *log)
     return read_pieces(r, log);
 }
 
-static int accept_log(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_log(const host_head *head, host_error *error)
 {
-    (void)path;
-    (void)total;
-    if (n < strlen(MAGIC) || memcmp(head, MAGIC, strlen(MAGIC)) != 0)
+    if (head->n < strlen(MAGIC) || memcmp(head->data, MAGIC, strlen(MAGIC)) != 0)
         return host_fail(error, "line 1", "the log of a registration made by smr register --log");
     return 0;
 }
@@ -228,15 +207,11 @@ static int accept_log(const char *path, const unsigned char *head, size_t n, siz
 int host_log_read(const char *path, host_log *log, host_error *error)
 {
     host_bytes bytes;
-    reader r;
     memset(log, 0, sizeof *log);
     if (host_file_read(path, accept_log, &bytes, error) != 0)
         return -1;
     log->memory = bytes.data;
-    r.data = bytes.data;
-    r.at = 0;
-    r.size = bytes.size;
-    r.error = error;
+    reader r = {bytes.data, 0, bytes.size, error};
     if (read_all(&r, log) == 0)
         return 0;
     host_log_free(log);

@@ -239,15 +239,6 @@ static output_file *prepare_file(host_output *output, const char *directory, con
     return file;
 }
 
-static void note(output_file *file, const host_buffer *content)
-{
-    host_crc32 crc;
-    host_crc32_start(&crc);
-    host_crc32_add(&crc, content->data, content->size);
-    file->bytes = content->size;
-    file->crc32 = host_crc32_end(&crc);
-}
-
 static int add(host_output *output, const char *directory, const char *name, const host_buffer *content,
                host_error *error)
 {
@@ -258,9 +249,11 @@ static int add(host_output *output, const char *directory, const char *name, con
     host_stop_block(&before);
     output_file *file = prepare_file(output, directory, name, error);
     host_stop_restore(&before);
-    if (file != NULL)
-        note(file, content);
-    return file != NULL ? write_file(file, content, error) : -1;
+    if (file == NULL)
+        return -1;
+    file->bytes = content->size;
+    file->crc32 = host_crc32_of(content->data, content->size);
+    return write_file(file, content, error);
 }
 
 size_t host_output_count(const host_output *output) { return output->n; }
@@ -276,6 +269,14 @@ int host_output_add(host_output *output, const char *name, const host_buffer *co
 {
     return output == NULL ? host_fail(error, "output", "free memory")
                           : add(output, output->directory, name, content, error);
+}
+
+int host_output_take(host_output *output, const char *name, host_buffer *content, int result, host_error *error)
+{
+    if (result == 0)
+        result = host_output_add(output, name, content, error);
+    host_buffer_free(content);
+    return result;
 }
 
 int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error)
@@ -354,8 +355,5 @@ int host_output_end(host_output *output, int result, host_error *error)
 int host_output_file(const char *directory, const char *name, host_buffer *content, int result, host_error *error)
 {
     host_output *const output = result == 0 ? host_output_begin(directory) : NULL;
-    if (result == 0)
-        result = host_output_add(output, name, content, error);
-    host_buffer_free(content);
-    return host_output_end(output, result, error);
+    return host_output_end(output, host_output_take(output, name, content, result, error), error);
 }

@@ -26,6 +26,9 @@ host_output *host_output_begin(const char *directory);
  * abandoned. 0, or -1 with the error filled. */
 int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error);
 
+/* Likewise, and frees the content. result: -1 when it could not be made, and nothing is written. */
+int host_output_take(host_output *output, const char *name, host_buffer *content, int result, host_error *error);
+
 /* Adds a file that need not be in the set's directory; otherwise like host_output_add. */
 int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error);
 
@@ -45,8 +48,7 @@ host_output_fact host_output_fact_of(const host_output *output, size_t i);
  * Another: all is removed. Returns 0, or -1 with the error filled. */
 int host_output_end(host_output *output, int result, host_error *error);
 
-/* Writes a set of one file, and frees its content. result: -1 when the content could not be made, and nothing is
- * written. 0, or -1 with the error filled. */
+/* Writes a set of one file, as host_output_take() does. 0, or -1 with the error filled. */
 int host_output_file(const char *directory, const char *name, host_buffer *content, int result, host_error *error);
 
 #endif

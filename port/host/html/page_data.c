@@ -5,7 +5,7 @@
 #include <float.h>
 #include <string.h>
 
-#include "model/input_check.h"
+#include "model/model_from_files.h"
 
 #define UNKNOWN 65535u /* a value that is not known */
 #define MOST 65534.0f  /* the largest value */

@@ -1,14 +1,14 @@
 /* page_thin.c: thins surfaces, and cuts out and averages an image, for a page of bounded size.
  * SPDX-License-Identifier: MIT */
-#include "html/page_thin.h"
+#include "html/page_data.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/input_check.h"
-#include "volumes/volume_write.h"
+#include "model/model_from_files.h"
+#include "volumes/voxel_volume.h"
 
 #define BINS 4096
 #define CUT 0.001
@@ -18,11 +18,6 @@ typedef struct axis {
     uint32_t first, end, n;
     double step;
 } axis;
-
-static size_t index_of(const host_volume *v, size_t i, size_t j, size_t k)
-{
-    return (k * v->size[1] + j) * v->size[0] + i;
-}
 
 /* The voxels that the box spans, and margin_mm more. 0 when there are none. */
 static int span(const host_volume *v, const host_box *box, float margin_mm, axis a[3])
@@ -89,8 +84,8 @@ static float mean_of(const host_volume *v, const axis a[3], const uint32_t at[3]
         for (uint32_t j = first_of(&a[1], at[1]); j < end_of(&a[1], at[1]); j++) {
             const double row = share(&a[2], at[2], k) * share(&a[1], at[1], j);
             for (uint32_t i = first_of(&a[0], at[0]); i < end_of(&a[0], at[0]); i++) {
-                const double value = host_voxel(v->voxels, v->type, index_of(v, i, j, k)),
-                             w = row * share(&a[0], at[0], i);
+                const size_t at_ijk = ((size_t)k * v->size[1] + j) * v->size[0] + i;
+                const double value = host_voxel(v->voxels, v->type, at_ijk), w = row * share(&a[0], at[0], i);
                 if (!isfinite(value))
                     continue;
                 sum += w * value;
@@ -138,9 +133,9 @@ static void choose_range(const host_volume *v, const float *value, size_t n, hos
             low = (double)value[i] < low ? (double)value[i] : low;
             high = (double)value[i] > high ? (double)value[i] : high;
         }
-    out->low = v->type == HOST_UINT8 ? 0.0 : low;
-    out->high = v->type == HOST_UINT8 ? 255.0 : high;
-    if (v->type == HOST_UINT8 || !(high > low)) {
+    out->low = v->type == SMR_VOXEL_UINT8 ? 0.0 : low;
+    out->high = v->type == SMR_VOXEL_UINT8 ? 255.0 : high;
+    if (v->type == SMR_VOXEL_UINT8 || !(high > low)) {
         out->high = out->high > out->low ? out->high : out->low + 1.0;
         return;
     }

@@ -1,21 +1,17 @@
 /* report_html.c: the page of a registration: surfaces before and after, distances and expected errors of their
  * vertices, the image around them, every iteration.
  * SPDX-License-Identifier: MIT */
-#include "html/report_html.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "html/page_data.h"
-#include "html/page_thin.h"
 
 #define MODEL_BYTES 18u       /* of a vertex: two places, three values */
 #define TARGET_BYTES 6u       /* of a target's */
 #define SURFACES_MAX 4500000u /* bytes of all surfaces */
 #define MARGIN_MM 25.0f       /* of the image around the surfaces */
 #define VOXELS_MAX 5600000u   /* of the image */
-#define FAR_MM (4.0f * SMR_COORD_MAX)
 
 typedef struct scene {
     const host_job *job;
@@ -30,16 +26,6 @@ static const host_target *shown_target(const host_job *job, uint32_t target)
     return job->target[target].users > 0 ? &job->target[target] : NULL;
 }
 
-static float distance_to(const smr_surface *surface, const float *point)
-{
-    smr_closest hit = {0};
-    hit.triangle = SMR_NONE;
-    if (surface == NULL || smr_surface_closest(surface, point, NULL, -1.0f, FAR_MM, &hit) != SMR_OK ||
-        hit.triangle == SMR_NONE)
-        return NAN;
-    return hit.distance;
-}
-
 /* A task: the distances of one structure. */
 static void measure(void *arg, uint32_t task, uint32_t worker)
 {
@@ -49,8 +35,9 @@ static void measure(void *arg, uint32_t task, uint32_t worker)
     const smr_surface *const surface = target == HOST_NO_TARGET ? NULL : s->job->target[target].surface;
     (void)worker;
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
-        s->distance[0][first + i] = distance_to(surface, s->job->course.before_xyz + 3u * ((size_t)first + i));
-        s->distance[1][first + i] = distance_to(surface, mesh->xyz + 3u * (size_t)i);
+        s->distance[0][first + i] =
+            surface == NULL ? NAN : host_distance(surface, s->job->course.before_xyz + 3u * ((size_t)first + i));
+        s->distance[1][first + i] = surface == NULL ? NAN : host_distance(surface, mesh->xyz + 3u * (size_t)i);
     }
 }
 

@@ -1,13 +1,11 @@
 /* track_page.c: the page of a tracking run. The frames that it shows are known from the start: evenly spread, as many
  * as there is room for.
  * SPDX-License-Identifier: MIT */
-#include "html/report_html.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "files/file_read.h"
 #include "html/page_data.h"

@@ -10,7 +10,7 @@
 #include "base/system.h"
 #include "files/file_names.h"
 #include "files/gzip_write.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 static int refuse_value(const host_volume *v, size_t i, uint32_t layers, host_error *error)
 {
@@ -251,13 +251,13 @@ static int write_nifti(const host_label_map *map, uint32_t type, const char *pat
 int host_labels_write(const host_label_map *map, const char *path, host_buffer *out, host_error *error)
 {
     host_buffer keys = {0};
-    uint32_t most = 0, type = HOST_UINT8;
+    uint32_t most = 0, type = SMR_VOXEL_UINT8;
     int result = 0;
     for (uint32_t i = 0; i < map->n_labels; i++)
         most = map->label[i].value > most ? map->label[i].value : most;
     if (most > VALUE_MAX)
         return host_fail(error, "labels", "labels of at most %u, found %u", VALUE_MAX, most);
-    type = most > 255u ? HOST_UINT16 : HOST_UINT8;
+    type = most > 255u ? SMR_VOXEL_UINT16 : SMR_VOXEL_UINT8;
     if (host_has_extension(path, ".nii"))
         return write_nifti(map, type, path, out, error);
     if (host_has_extension(path, ".seg.nrrd"))

@@ -101,27 +101,18 @@ static void settle_voxels(const host_label_map *a, const host_label_map *b, host
     }
 }
 
-static void settle_distances(host_overlap *o)
-{
-    const double weight = o->to_b.weight + o->to_a.weight;
-    o->hausdorff95 = o->to_b.p95 > o->to_a.p95 ? o->to_b.p95 : o->to_a.p95;
-    o->mean = weight > 0.0 ? (o->to_b.mean * o->to_b.weight + o->to_a.mean * o->to_a.weight) / weight : 0.0;
-}
-
 /* The distances of one structure, both ways. A structure at a time: their surfaces take memory. */
 static int measure_one(const smr_port *port, const smr_mesh *a, const smr_mesh *b, host_overlap *o)
 {
-    host_query query[2];
     void *memory[2] = {NULL, NULL};
+    host_query query[2] = {{.mesh = *a, .surface = host_surface_make(b, &memory[0])},
+                           {.mesh = *b, .surface = host_surface_make(a, &memory[1])}};
     int result = -1;
-    memset(query, 0, sizeof query);
-    query[0].mesh = *a;
-    query[1].mesh = *b;
-    query[0].surface = host_surface_make(b, &memory[0]);
-    query[1].surface = host_surface_make(a, &memory[1]);
     if (query[0].surface != NULL && query[1].surface != NULL && host_distances(port, query, 2) == 0 &&
         host_area_stats(&query[0], 1, NULL, &o->to_b) == 0 && host_area_stats(&query[1], 1, NULL, &o->to_a) == 0) {
-        settle_distances(o);
+        const double weight = o->to_b.weight + o->to_a.weight;
+        o->hausdorff95 = o->to_b.p95 > o->to_a.p95 ? o->to_b.p95 : o->to_a.p95;
+        o->mean = weight > 0.0 ? (o->to_b.mean * o->to_b.weight + o->to_a.mean * o->to_a.weight) / weight : 0.0;
         result = 0;
     }
     host_queries_free(query, 2);

@@ -12,7 +12,7 @@
 #include "base/system.h"
 #include "labels/surface_net.h"
 #include "measure/surface_distances.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 /* Cell (x, y, z) of a map of size (nx, ny, nz), 0 <= x <= nx and so on, lies between the voxels (x - 1, y - 1, z -
  * 1) and (x, y, z); beyond the map all is background. Its number is x + (nx + 1) (y + (ny + 1) z). */
@@ -122,17 +122,13 @@ static int list_cells(const scan *s, host_error *error)
 static int host_cells_find(const uint16_t *index, const uint32_t size[3], uint32_t n_labels, host_cells *cells,
                            host_error *error)
 {
-    scan s;
     uint16_t *const empty = calloc(size[0], sizeof *empty);
     int result = -1;
     memset(cells, 0, sizeof *cells);
     memcpy(cells->size, size, sizeof cells->size);
     cells->n_labels = n_labels;
     cells->first = calloc((size_t)n_labels + 1u, sizeof *cells->first);
-    s.index = index;
-    s.empty = empty;
-    s.cells = cells;
-    s.at = calloc((size_t)n_labels + 1u, sizeof *s.at);
+    const scan s = {index, empty, calloc((size_t)n_labels + 1u, sizeof *s.at), cells};
     if (empty == NULL || s.at == NULL || cells->first == NULL)
         (void)host_fail(error, "labels", "free memory");
     else
@@ -285,16 +281,11 @@ static int make_layer(const smr_port *port, layer *l, uint32_t number, host_erro
 int host_label_surfaces_make(const smr_port *port, const host_label_map *map, uint32_t passes, uint32_t most,
                              host_label_surface *surface, host_error *error)
 {
-    layer l = {0};
+    layer l = {map, NULL, surface, passes, most, host_label_mm3(&map->grid)};
     memset(surface, 0, map->n_labels * sizeof *surface);
     for (uint32_t i = 0; i < 3u; i++)
         if (map->grid.size[i] > AXIS_MAX)
             return host_fail(error, "size", "at most %u voxels along an axis", AXIS_MAX);
-    l.map = map;
-    l.surface = surface;
-    l.passes = passes;
-    l.most = most;
-    l.mm3 = host_label_mm3(&map->grid);
     for (uint32_t i = 0; i < map->n_layers; i++)
         if (make_layer(port, &l, i, error) != 0)
             return -1;

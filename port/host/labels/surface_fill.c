@@ -4,7 +4,7 @@
  * triangle's side is then exact in 64 bits. A ray that meets a side counts as shifted by (e, e^2) across its
  * direction, e infinitely small, so two triangles at one side never both count, or neither.
  * SPDX-License-Identifier: MIT */
-#include "labels/surface_fill.h"
+#include "labels/surface_set.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 #include "base/system.h"
 #include "meshes/triangle_mesh.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 #define BITS 29 /* of rounded coordinates: products of two differences fit 64 bits */
 #define SHIFT_MOST 20

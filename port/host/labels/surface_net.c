@@ -269,18 +269,10 @@ static int link_sides(host_net *net)
 int host_net_make(const uint32_t *cell, const unsigned char *mask, size_t n, const uint32_t size[3],
                   const float spacing[3], host_net *net)
 {
-    builder b = {0};
+    const uint32_t row = size[0] + 1u;
+    builder b = {cell, mask, n, size, spacing, {1, row, row * (size[1] + 1u)}, {{0}}, NULL, NULL, net};
     int result = -1;
     memset(net, 0, sizeof *net);
-    b.cell = cell;
-    b.mask = mask;
-    b.n = n;
-    b.size = size;
-    b.spacing = spacing;
-    b.net = net;
-    b.stride[0] = 1;
-    b.stride[1] = size[0] + 1u;
-    b.stride[2] = b.stride[1] * (size[1] + 1u);
     for (unsigned k = 0; k < 256u; k++)
         b.table[k] = host_cell_loops(k, 0);
     b.joined = calloc(n + 1u, 1);

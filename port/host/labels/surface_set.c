@@ -11,9 +11,8 @@
 #include "base/system.h"
 #include "files/file_names.h"
 #include "labels/label_map.h"
-#include "labels/surface_fill.h"
 #include "measure/surface_distances.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 #define BATCH 8u    /* surfaces that are filled at a time */
 #define CHUNK 1024u /* claims per task */
@@ -74,14 +73,10 @@ static int add_claim(painter *p, size_t voxel, uint32_t surface)
 /* Gives a surface its voxels; where another one is, both claim it. */
 static int paint_one(painter *p, const host_filled *filled, uint32_t surface)
 {
-    const size_t row = p->grid->size[0], slice = row * p->grid->size[1];
     const size_t n = (size_t)filled->size[0] * filled->size[1] * filled->size[2];
     p->painted->inside[surface] = filled->voxels;
     for (size_t i = 0; i < n; i++) {
-        const size_t x = i % filled->size[0] + filled->low[0],
-                     y = i / filled->size[0] % filled->size[1] + filled->low[1],
-                     z = i / filled->size[0] / filled->size[1] + filled->low[2];
-        const size_t voxel = x + row * y + slice * z;
+        const size_t voxel = host_filled_voxel(filled, i, p->grid);
         uint16_t *const owner = &p->painted->index[voxel];
         if (!filled->inside[i])
             continue;
@@ -207,13 +202,8 @@ static int paint_all(painter *p, host_error *error)
 int host_paint(const smr_port *port, const host_load *loads, uint32_t n, const host_volume *grid, host_painted *painted,
                host_error *error)
 {
-    painter p = {0};
+    painter p = {.port = port, .loads = loads, .n = n, .grid = grid, .painted = painted};
     memset(painted, 0, sizeof *painted);
-    p.port = port;
-    p.loads = loads;
-    p.n = n;
-    p.grid = grid;
-    p.painted = painted;
     int result = paint_all(&p, error);
     for (uint32_t i = 0; p.memory != NULL && i < n; i++)
         free(p.memory[i]);
@@ -238,11 +228,9 @@ static int read_names(const char *directory, const char *path, host_names *names
     int result = 0;
     if (path != NULL)
         return host_names_read(path, names, error);
-    size_t n = strlen(directory) + 16u;
-    char *table = malloc(n);
+    char *const table = host_path_in(directory, "labels.ctbl");
     if (table == NULL)
         return host_fail(error, "names", "free memory");
-    (void)snprintf(table, n, "%s/labels.ctbl", directory);
     if (stat(table, &st) == 0) {
         result = host_names_read(table, names, error);
         error->file = directory;
@@ -295,11 +283,9 @@ static int give_value(const host_surface_set *set, uint32_t i, const host_names 
     if (!label->coloured)
         host_label_colour(i, label->colour);
     for (uint32_t k = 0; k < i; k++)
-        if (set->label[k].value == label->value) {
-            error->file = set->load[i].path;
-            return host_fail(error, "names", "a label of its own, %u is also that of '%s'", label->value,
-                             set->label[k].name);
-        }
+        if (set->label[k].value == label->value)
+            return host_fail_of(error, set->load[i].path, "names", "a label of its own, %u is also that of '%s'",
+                                label->value, set->label[k].name);
     return 0;
 }
 
@@ -342,10 +328,8 @@ static int load_surfaces(host_surface_set *set, const smr_port *port, host_error
         return -1;
     set->n = frame.files.n;
     for (uint32_t i = 0; i < set->n; i++)
-        if (set->load[i].mesh.n_triangles == 0) {
-            error->file = set->load[i].path;
-            return host_fail(error, "faces", "at least one triangle");
-        }
+        if (set->load[i].mesh.n_triangles == 0)
+            return host_fail_of(error, set->load[i].path, "faces", "at least one triangle");
     return 0;
 }
 

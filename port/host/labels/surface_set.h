@@ -1,4 +1,4 @@
-/* surface_set.h: a directory of surfaces, each with a name and a label.
+/* surface_set.h: a directory of surfaces, each with a name and a label; the voxels inside closed surfaces.
  * SPDX-License-Identifier: MIT */
 #ifndef SURFACE_SET_H
 #define SURFACE_SET_H
@@ -6,6 +6,7 @@
 #include "labels/label_map.h"
 #include "meshes/triangle_mesh.h"
 #include "track/track_frames.h"
+#include "volumes/voxel_volume.h"
 
 typedef struct host_surface_set {
     const char *directory; /* borrowed */
@@ -38,5 +39,30 @@ typedef struct host_painted {
 int host_paint(const smr_port *port, const host_load *loads, uint32_t n, const host_volume *grid, host_painted *painted,
                host_error *error);
 void host_painted_free(host_painted *painted);
+
+/* A box of voxels, and which of them are inside. */
+typedef struct host_filled {
+    uint32_t low[3], size[3]; /* size 0: none are */
+    unsigned char *inside;    /* [size[2]][size[1]][size[0]], 0 or 1; owned */
+    uint64_t voxels;          /* inside */
+} host_filled;
+
+/* The number in the grid of voxel i of the box. */
+static inline size_t host_filled_voxel(const host_filled *f, size_t i, const host_volume *grid)
+{
+    const size_t x = i % f->size[0] + f->low[0], y = i / f->size[0] % f->size[1] + f->low[1],
+                 z = i / f->size[0] / f->size[1] + f->low[2];
+    return x + grid->size[0] * (y + grid->size[1] * z);
+}
+
+/* Finds the voxels of a grid whose centres lie inside a closed surface: a ray along the grid's first axis crosses it an
+ * odd number of times before them. Which rays cross a triangle is decided in whole numbers, so rays through edges and
+ * vertices are counted once; a centre on the surface belongs to one of its two sides.
+ * 0, or -1 with the error's place and text filled; host_filled_free in either case. */
+int host_surface_fill(const host_mesh *mesh, const host_volume *grid, host_filled *filled, host_error *error);
+void host_filled_free(host_filled *filled);
+
+/* Counts the edges with an odd number of triangles: 0 of a closed surface. Returns -1 when out of memory. */
+int64_t host_open_edges(const host_mesh *mesh);
 
 #endif

@@ -3,7 +3,6 @@
 #include "labels/label_surfaces.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "labels/edge_collapse.h"
 

@@ -191,8 +191,8 @@ int host_scan_number(host_scan *scan, double *value)
     return 0;
 }
 
-/* Reads a list or an object. */
-static int scan_all(host_scan *scan, char close, host_scan_each each, void *context)
+/* Reads a list or an object: `member` for an object, `element` for a list; both NULL: skips it. */
+static int scan_all(host_scan *scan, char close, host_scan_member member, host_scan_value element, void *context)
 {
     char key[KEY_BYTES] = {0};
     size_t n = 0;
@@ -200,36 +200,53 @@ static int scan_all(host_scan *scan, char close, host_scan_each each, void *cont
     if (++scan->depth > DEPTH_MAX)
         return host_scan_fail(scan, "fewer lists within lists");
     scan->text.at++;
-    if (host_scan_peek(scan) == close) {
-        scan->text.at++;
-        scan->depth--;
-        return 0;
-    }
-    for (;;) {
+    while (host_scan_peek(scan) != close || n > 0) {
         if (close == '}' && (host_scan_text(scan, key, sizeof key, &n) != 0 || pass(scan, ':', "a colon") != 0))
             return -1;
-        result = each != NULL ? each(scan, close == '}' ? key : NULL, context) : host_scan_skip(scan);
+        result = member != NULL    ? member(scan, key, context)
+                 : element != NULL ? element(scan, context)
+                                   : host_scan_skip(scan);
         if (result != 0)
             return -1;
         if (host_scan_peek(scan) == close)
             break;
         if (pass(scan, ',', close == '}' ? "a comma or a closing brace" : "a comma or a closing bracket") != 0)
             return -1;
+        n = 1; /* another one follows */
     }
     scan->text.at++;
     scan->depth--;
     return 0;
 }
 
-int host_scan_object(host_scan *scan, host_scan_each each, void *context)
+int host_scan_object(host_scan *scan, host_scan_member each, void *context)
 {
-    return host_scan_peek(scan) == '{' ? scan_all(scan, '}', each, context)
+    return host_scan_peek(scan) == '{' ? scan_all(scan, '}', each, NULL, context)
                                        : host_scan_fail(scan, "an object in braces");
 }
 
-int host_scan_list(host_scan *scan, host_scan_each each, void *context)
+static int read_member(host_scan *scan, const char *key, void *context)
 {
-    return host_scan_peek(scan) == '[' ? scan_all(scan, ']', each, context)
+    host_scan_members *const m = context;
+    size_t i = 0;
+    while (i < m->n && strcmp(key, m->fields[i].key) != 0)
+        i++;
+    if (i == m->n)
+        return host_scan_skip(scan);
+    if ((m->has & m->once & 1u << i) != 0) /* which one would count? */
+        return host_scan_fail(scan, "each key once");
+    m->has |= 1u << i;
+    return m->fields[i].read(scan, (unsigned char *)m->to + m->fields[i].offset);
+}
+
+int host_scan_struct(host_scan *scan, host_scan_members *members)
+{
+    return host_scan_object(scan, read_member, members);
+}
+
+int host_scan_list(host_scan *scan, host_scan_value each, void *context)
+{
+    return host_scan_peek(scan) == '[' ? scan_all(scan, ']', NULL, each, context)
                                        : host_scan_fail(scan, "a list in brackets");
 }
 

@@ -15,12 +15,29 @@ typedef struct host_scan {
     int depth;
 } host_scan;
 
-/* Called at a member's value or a list's element; must read it. key: NULL in a list. */
-typedef int (*host_scan_each)(host_scan *scan, const char *key, void *context);
+/* Called at a member's value, or at a value; must read it. */
+typedef int (*host_scan_member)(host_scan *scan, const char *key, void *context);
+typedef int (*host_scan_value)(host_scan *scan, void *context);
+
+/* A key, and where its value goes. */
+typedef struct host_scan_field {
+    const char *key;
+    host_scan_value read;
+    size_t offset; /* in the struct, of what `read` gets */
+} host_scan_field;
+
+/* The keys that an object may have; others are skipped. */
+typedef struct host_scan_members {
+    const host_scan_field *fields;
+    size_t n;
+    void *to;           /* the struct */
+    unsigned has, once; /* bits of fields: those read, those that may be read once */
+} host_scan_members;
 
 int host_scan_fail(const host_scan *scan, const char *expected);
-int host_scan_object(host_scan *scan, host_scan_each each, void *context);
-int host_scan_list(host_scan *scan, host_scan_each each, void *context);
+int host_scan_object(host_scan *scan, host_scan_member each, void *context);
+int host_scan_struct(host_scan *scan, host_scan_members *members);
+int host_scan_list(host_scan *scan, host_scan_value each, void *context);
 /* Copies at most bytes - 1 bytes of the text and a NUL; *n: length of the whole text. to NULL: skips the text. */
 int host_scan_text(host_scan *scan, char *to, size_t bytes, size_t *n);
 int host_scan_number(host_scan *scan, double *value);

@@ -1,4 +1,5 @@
-/* landmarks.h: landmarks: reads them from files and pairs two sets by label.
+/* landmarks.h: landmarks and points: reads them from files, pairs two sets by label, writes points in the format of the
+ * output's extension.
  * SPDX-License-Identifier: MIT */
 #ifndef LANDMARKS_H
 #define LANDMARKS_H
@@ -9,6 +10,8 @@
 #include "base/error_line.h"
 #include "base/text_scan.h"
 #include "files/file_read.h"
+#include "base/byte_buffer.h"
+#include "meshes/triangle_mesh.h"
 
 #define HOST_LANDMARKS_MAX 64u
 #define HOST_LABEL_BYTES 64u /* including the NUL */
@@ -17,7 +20,7 @@ typedef struct host_landmarks {
     uint32_t n;
     char label[HOST_LANDMARKS_MAX][HOST_LABEL_BYTES]; /* UTF-8, not empty, unique */
     float xyz[HOST_LANDMARKS_MAX][3];                 /* mm, LPS, finite */
-    struct host_points *points;                       /* not NULL: points go there, in any number; see points_file.h */
+    struct host_points *points;                       /* not NULL: points go there, in any number */
 } host_landmarks;
 
 /* Reads 3D Slicer markups (.mrk.json, .fcsv) or CSV (label,x,y,z in LPS, or as its header line names the columns),
@@ -45,5 +48,41 @@ int host_landmarks_scan(host_landmarks *landmarks, const char *path, const host_
 int host_read_markups(host_landmarks *landmarks, const char *data, size_t n, host_error *error);
 /* slicer 1: the file is .fcsv, which must name its coordinate system. */
 int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, int slicer, host_error *error);
+
+typedef struct host_points {
+    uint32_t n, capacity;
+    float (*xyz)[3];                 /* [n] mm, LPS; owned */
+    char (*label)[HOST_LABEL_BYTES]; /* [n]; NULL: from a surface file, which has none; owned */
+    float (*orientation)[9]; /* [n] rows of matrices whose columns are axes, LPS; NULL: no point has one; owned */
+    host_mesh mesh;          /* that file's triangles; its vertices are moved to xyz; owned */
+} host_points;
+
+/* Reads .mrk.json, .fcsv or CSV, told apart by content, or a surface file. Labels may be empty and occur more than
+ * once. 0, or -1 with the error filled and the set empty. */
+int host_points_read(const char *path, host_points *points, host_error *error);
+
+/* Appends a point. 0, or -1 when out of memory or beyond the library's limits. */
+int host_points_add(host_points *points, const char *label, size_t label_bytes, const float xyz[3]);
+
+/* Gives the last point an orientation; those that have none get the coordinates' axes. 0, or -1 when out of memory. */
+int host_points_orient(host_points *points, const float orientation[9]);
+
+/* Takes all orientations away: of points that are carried without them. */
+void host_points_unorient(host_points *points);
+
+/* Checks that the extension is .json, .fcsv, .csv, .ply, .stl, .vtk or .obj. 0, or -1 with the error filled. */
+int host_points_can_write(const char *path, host_error *error);
+
+/* Checks that such a file can hold these points. 0, or -1 with the error filled. */
+int host_points_fit(const host_points *points, const char *path, host_error *error);
+
+/* Writes the points in the path's format into the buffer, which stores failure. */
+void host_points_write(const host_points *points, const char *path, host_buffer *out);
+
+/* Writes a point's label and the tail as a field of a CSV table, in quotes where it needs them; without a label the
+ * point's number, from 1. */
+void host_points_put_name(const host_points *points, uint32_t i, const char *tail, host_buffer *out);
+
+void host_points_free(host_points *points);
 
 #endif

@@ -1,13 +1,11 @@
 /* landmarks_file.c: reads landmarks: tables of Slicer and CSV, and what all formats share.
  * SPDX-License-Identifier: MIT */
-#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "files/file_names.h"
 #include "files/file_read.h"
 #include "landmarks/landmarks.h"
-#include "landmarks/points_file.h"
 #include "smr.h"
 
 #define FIELDS_MAX 32u
@@ -152,9 +150,8 @@ static void set_columns(table *t, int fcsv)
 {
     t->fcsv = fcsv;
     t->label = fcsv ? 11 : 0;
-    t->axis[0] = 1;
-    t->axis[1] = 2;
-    t->axis[2] = 3;
+    for (size_t i = 0; i < 3u; i++)
+        t->axis[i] = i + 1u;
     t->n_columns = fcsv ? SLICER_FIELDS : 4u;
     t->named = 0;
     t->named_system = NULL;
@@ -245,11 +242,9 @@ static int turn(const table *t)
 
 int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, int slicer, host_error *error)
 {
-    table t = {0};
+    table t = {.landmarks = landmarks, .error = error};
     host_text text = host_text_over(data, n);
     host_word line;
-    t.landmarks = landmarks;
-    t.error = error;
     set_columns(&t, slicer);
     for (t.line = text.line; host_text_line(&text, &line); t.line = text.line) {
         const host_word inner = host_word_trimmed(line.start, line.start + line.n);
@@ -261,32 +256,9 @@ int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t
     return turn(&t);
 }
 
-static int same(const char *a, host_word b) { return strlen(a) == b.n && memcmp(a, b.start, b.n) == 0; }
-
-/* A point of a set of any number: the label may be empty or known. */
-static int add_point(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label, const double xyz[3])
+/* What a set of landmarks refuses of a label. */
+static int check_label(const host_landmarks *landmarks, host_error *error, uint32_t line, host_word label)
 {
-    const double limit = (double)SMR_COORD_MAX;
-    float at[3];
-    if (label.n >= HOST_LABEL_BYTES || (label.n > 0 && memchr(label.start, '\0', label.n) != NULL))
-        return host_fail_at(error, "line", line, "a label of at most %u bytes, without NUL", HOST_LABEL_BYTES - 1u);
-    for (uint32_t i = 0; i < 3; i++) {
-        if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
-            return host_fail_at(error, "line", line, "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
-        at[i] = (float)xyz[i];
-    }
-    landmarks->n++;
-    return host_points_add(landmarks->points, label.start, label.n, at) == 0
-               ? 0
-               : host_fail_at(error, "line", line, "at most %u points, and free memory", SMR_VERTICES_MAX);
-}
-
-int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label,
-                       const double xyz[3])
-{
-    const double limit = (double)SMR_COORD_MAX;
-    if (landmarks->points != NULL)
-        return add_point(landmarks, error, line, label, xyz);
     if (landmarks->n == HOST_LANDMARKS_MAX)
         return host_fail_at(error, "line", line, "at most %u landmarks", HOST_LANDMARKS_MAX);
     if (label.n == 0)
@@ -297,15 +269,32 @@ int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t li
     if (memchr(label.start, '\0', label.n) != NULL)
         return host_fail_at(error, "line", line, "a label without NUL");
     for (uint32_t i = 0; i < landmarks->n; i++)
-        if (same(landmarks->label[i], label))
+        if (host_word_is(label, landmarks->label[i]))
             return host_fail_at(error, "line", line, "each label once, found a second \"%s\"", landmarks->label[i]);
+    return 0;
+}
+
+int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label,
+                       const double xyz[3])
+{
+    const int any = landmarks->points != NULL; /* any number of points; the label may be empty or known */
+    const double limit = (double)SMR_COORD_MAX;
+    float at[3];
+    if (any && (label.n >= HOST_LABEL_BYTES || (label.n > 0 && memchr(label.start, '\0', label.n) != NULL)))
+        return host_fail_at(error, "line", line, "a label of at most %u bytes, without NUL", HOST_LABEL_BYTES - 1u);
+    if (!any && check_label(landmarks, error, line, label) != 0)
+        return -1;
     for (uint32_t i = 0; i < 3; i++) {
         if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
             return host_fail_at(error, "line", line, "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
-        landmarks->xyz[landmarks->n][i] = (float)xyz[i];
+        at[i] = (float)xyz[i];
     }
-    memcpy(landmarks->label[landmarks->n], label.start, label.n);
-    landmarks->label[landmarks->n][label.n] = '\0';
+    if (any && host_points_add(landmarks->points, label.start, label.n, at) != 0)
+        return host_fail_at(error, "line", line, "at most %u points, and free memory", SMR_VERTICES_MAX);
+    if (!any) {
+        memcpy(landmarks->xyz[landmarks->n], at, sizeof at);
+        (void)snprintf(landmarks->label[landmarks->n], HOST_LABEL_BYTES, "%.*s", (int)label.n, label.start);
+    }
     landmarks->n++;
     return 0;
 }
@@ -330,10 +319,9 @@ int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t
 #define FILE_BYTES_MAX ((size_t)4u << 20) /* 64 landmarks take a few kilobytes */
 
 /* Refuses files that are too large or binary before they are read whole. */
-static int accept_small(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_small(const host_head *head, host_error *error)
 {
-    (void)path;
-    if (total > FILE_BYTES_MAX || memchr(head, '\0', n) != NULL)
+    if (head->total > FILE_BYTES_MAX || memchr(head->data, '\0', head->n) != NULL)
         return host_fail(error, "content", "a small text file: Slicer .mrk.json or .fcsv, or CSV label,x,y,z");
     return 0;
 }
@@ -383,10 +371,8 @@ static int all_in(const host_landmarks *a, const host_landmarks *b, const char *
                   host_error *error)
 {
     for (uint32_t i = 0; i < a->n; i++)
-        if (find(b, a->label[i]) == b->n) {
-            error->file = b_path;
-            return host_fail(error, "landmarks", "one labelled \"%s\" as in %s", a->label[i], a_path);
-        }
+        if (find(b, a->label[i]) == b->n)
+            return host_fail_of(error, b_path, "landmarks", "one labelled \"%s\" as in %s", a->label[i], a_path);
     return 0;
 }
 

@@ -4,7 +4,6 @@
 
 #include "landmarks/json_scan.h"
 #include "landmarks/landmarks.h"
-#include "landmarks/points_file.h"
 
 #define MILLIMETRES "coordinateUnits \"mm\" or [\"mm\", \"UCUM\", ...]"
 
@@ -22,11 +21,10 @@ typedef struct markup {
     int undefined; /* 1: the point has no position */
 } markup;
 
-static int read_coordinate(host_scan *scan, const char *key, void *context)
+static int read_coordinate(host_scan *scan, void *context)
 {
     markup *const m = context;
     double value = 0.0;
-    (void)key;
     if (host_scan_number(scan, &value) != 0)
         return -1;
     if (m->n_xyz < 3)
@@ -35,11 +33,10 @@ static int read_coordinate(host_scan *scan, const char *key, void *context)
     return m->n_xyz <= 3 ? 0 : host_scan_fail(scan, "three coordinates");
 }
 
-static int read_axis_number(host_scan *scan, const char *key, void *context)
+static int read_axis_number(host_scan *scan, void *context)
 {
     markup *const m = context;
     double value = 0.0;
-    (void)key;
     if (host_scan_number(scan, &value) != 0)
         return -1;
     if (m->n_orientation == 9 || !(value >= -1.001 && value <= 1.001))
@@ -89,26 +86,20 @@ static int read_point_member(host_scan *scan, const char *key, void *context)
     return host_scan_skip(scan);
 }
 
-static int read_point(host_scan *scan, const char *key, void *context)
+static int read_point(host_scan *scan, void *context)
 {
     markup *const m = context;
-    host_word label;
-    (void)key;
     (void)host_scan_peek(scan);
-    uint32_t line = scan->text.line;
+    const uint32_t line = scan->text.line;
     m->label_bytes = 0;
-    m->n_xyz = 0;
-    m->n_orientation = 0;
-    m->undefined = 0;
+    m->n_xyz = m->n_orientation = m->undefined = 0;
     if (host_scan_object(scan, read_point_member, m) != 0)
         return -1;
     if (m->undefined)
         return 0;
     if (m->n_xyz != 3)
         return host_fail_at(scan->error, "line", line, "a control point with a position of three numbers");
-    label.start = m->label;
-    label.n = m->label_bytes;
-    if (host_landmarks_add(m->landmarks, scan->error, line, label, m->xyz) != 0)
+    if (host_landmarks_add(m->landmarks, scan->error, line, (host_word){m->label, m->label_bytes}, m->xyz) != 0)
         return -1;
     if (m->n_orientation != 0 && m->n_orientation != 9)
         return host_fail_at(scan->error, "line", line, "an orientation of nine numbers");
@@ -117,13 +108,12 @@ static int read_point(host_scan *scan, const char *key, void *context)
     return 0;
 }
 
-static int read_unit(host_scan *scan, const char *key, void *context)
+static int read_unit(host_scan *scan, void *context)
 {
     static const char *const words[] = {"mm", "UCUM"};
     int *const at = context;
     char text[16];
     size_t n = 0;
-    (void)key;
     if (host_scan_text(scan, text, sizeof text, &n) != 0)
         return -1;
     return *at >= 2 || strcmp(text, words[(*at)++]) == 0 ? 0 : host_scan_fail(scan, MILLIMETRES);
@@ -135,7 +125,7 @@ static int read_units(host_scan *scan)
     int n = 0;
     const char c = host_scan_peek(scan);
     if (c == '"')
-        return read_unit(scan, NULL, &n);
+        return read_unit(scan, &n);
     if (c != '[')
         return host_scan_fail(scan, MILLIMETRES);
     if (host_scan_list(scan, read_unit, &n) != 0)
@@ -161,20 +151,17 @@ static int read_markup_member(host_scan *scan, const char *key, void *context)
 }
 
 /* Turns the points at the end of the markup, since the coordinate system may follow them. */
-static int read_markup(host_scan *scan, const char *key, void *context)
+static int read_markup(host_scan *scan, void *context)
 {
     markup m = {0};
-    host_word system;
-    (void)key;
     m.landmarks = context;
     uint32_t first = m.landmarks->n;
     if (host_scan_object(scan, read_markup_member, &m) != 0)
         return -1;
     if (m.system_line == 0)
         return host_scan_fail(scan, "coordinateSystem \"LPS\" or \"RAS\" in the markup that ends here");
-    system.start = m.system;
-    system.n = strlen(m.system);
-    return host_landmarks_to_lps(m.landmarks, scan->error, m.system_line, system, first);
+    return host_landmarks_to_lps(m.landmarks, scan->error, m.system_line, (host_word){m.system, strlen(m.system)},
+                                 first);
 }
 
 static int read_top(host_scan *scan, const char *key, void *context)
@@ -184,10 +171,6 @@ static int read_top(host_scan *scan, const char *key, void *context)
 
 int host_read_markups(host_landmarks *landmarks, const char *data, size_t n, host_error *error)
 {
-    host_scan scan = {0};
-    scan.text = host_text_over(data, n);
-    scan.error = error;
-    if (host_scan_object(&scan, read_top, landmarks) != 0)
-        return -1;
-    return host_scan_end(&scan);
+    host_scan scan = {host_text_over(data, n), error, 0};
+    return host_scan_object(&scan, read_top, landmarks) != 0 ? -1 : host_scan_end(&scan);
 }

@@ -1,13 +1,12 @@
 /* points_file.c: reads and writes sets of points. Texts have nine significant digits, so that reading gives the same
  * floats.
  * SPDX-License-Identifier: MIT */
-#include "landmarks/points_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
 #include "landmarks/landmarks.h"
@@ -74,11 +73,9 @@ static int read_surface(const char *path, host_points *points, host_error *error
     return 0;
 }
 
-static int accept_text(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_text(const host_head *head, host_error *error)
 {
-    (void)path;
-    (void)total;
-    if (memchr(head, '\0', n) != NULL)
+    if (memchr(head->data, '\0', head->n) != NULL)
         return host_fail(error, "content", "points: Slicer .mrk.json or .fcsv, CSV label,x,y,z, or a surface file");
     return 0;
 }

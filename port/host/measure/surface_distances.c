@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/system.h"
-#include "base/system.h"
 #include "meshes/triangle_mesh.h"
 
 static int by_distance(const void *a, const void *b)
@@ -153,14 +152,22 @@ void host_samples_free(host_samples *samples)
     memset(samples, 0, sizeof *samples);
 }
 
+/* The normal of a triangle, not normalised. */
+static void normal_of(const float *xyz, const uint32_t *triangle, double n[3])
+{
+    double e[2][3];
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 3; i++)
+            e[k][i] = (double)xyz[3u * (size_t)triangle[k + 1] + (size_t)i] -
+                      (double)xyz[3u * (size_t)triangle[0] + (size_t)i];
+    for (int i = 0; i < 3; i++)
+        n[i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
+}
+
 static double area_of(const float *xyz, const uint32_t *corner)
 {
-    double e[2][3], n[3];
-    for (size_t k = 0; k < 2; k++)
-        for (size_t c = 0; c < 3; c++)
-            e[k][c] = (double)xyz[3u * (size_t)corner[k + 1u] + c] - (double)xyz[3u * (size_t)corner[0] + c];
-    for (size_t c = 0; c < 3; c++)
-        n[c] = e[0][(c + 1u) % 3u] * e[1][(c + 2u) % 3u] - e[0][(c + 2u) % 3u] * e[1][(c + 1u) % 3u];
+    double n[3];
+    normal_of(xyz, corner, n);
     return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
@@ -200,18 +207,6 @@ void host_samples_weigh(const host_samples *samples, const smr_mesh *mesh, const
         area = weigh_triangles(samples, mesh, seen, weight);
     for (size_t i = 0; mesh->n_triangles > 0 && !(area > 0.0) && i < samples->n; i++)
         weight[i] = weight[i] < 0.0f ? weight[i] : 1.0f;
-}
-
-/* The normal of a triangle, not normalised. */
-static void normal_of(const float *xyz, const uint32_t *triangle, double n[3])
-{
-    double e[2][3];
-    for (int k = 0; k < 2; k++)
-        for (int i = 0; i < 3; i++)
-            e[k][i] = (double)xyz[3u * (size_t)triangle[k + 1] + (size_t)i] -
-                      (double)xyz[3u * (size_t)triangle[0] + (size_t)i];
-    for (int i = 0; i < 3; i++)
-        n[i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
 }
 
 static int is_fold(const float *xyz, const uint32_t *a, const uint32_t *b)
@@ -282,6 +277,15 @@ smr_surface *host_points_surface(const host_mesh *mesh, void **memory)
 #define CHUNK 256u                    /* points per task */
 #define FAR_MM (4.0f * SMR_COORD_MAX) /* mm; larger than the distance of any two legal points */
 
+float host_distance(const smr_surface *surface, const float point[3])
+{
+    smr_closest hit = {0};
+    hit.triangle = SMR_NONE;
+    if (smr_surface_closest(surface, point, NULL, -1.0f, FAR_MM, &hit) != SMR_OK || hit.triangle == SMR_NONE)
+        return NAN;
+    return hit.distance;
+}
+
 typedef struct chunk {
     const host_query *query;
     size_t first, n;
@@ -293,12 +297,8 @@ static void run_chunk(void *arg, uint32_t task, uint32_t worker)
     chunk *const c = (chunk *)arg + task;
     (void)worker;
     for (size_t i = c->first; i < c->first + c->n; i++) {
-        const float *const p = c->query->samples.xyz + 3u * i;
-        smr_closest hit = {0};
-        hit.triangle = SMR_NONE;
-        if (smr_surface_closest(c->query->surface, p, NULL, -1.0f, FAR_MM, &hit) != SMR_OK || hit.triangle == SMR_NONE)
-            c->failed = 1;
-        c->query->mm[i] = hit.distance;
+        c->query->mm[i] = host_distance(c->query->surface, c->query->samples.xyz + 3u * i);
+        c->failed |= isnan(c->query->mm[i]);
     }
 }
 
@@ -324,10 +324,8 @@ int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries
         return -1;
     for (uint32_t q = 0; q < n_queries; q++)
         for (size_t i = 0; i < queries[q].samples.n; i += CHUNK) {
-            chunks[at].query = &queries[q];
-            chunks[at].first = i;
-            chunks[at].n = queries[q].samples.n - i < CHUNK ? queries[q].samples.n - i : CHUNK;
-            at++;
+            const size_t left = queries[q].samples.n - i;
+            chunks[at++] = (chunk){&queries[q], i, left < CHUNK ? left : CHUNK, 0};
         }
     host_parallel(port, run_chunk, chunks, (uint32_t)n);
     for (size_t i = 0; i < n; i++)

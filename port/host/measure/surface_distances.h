@@ -43,6 +43,9 @@ typedef struct host_query {
     float *mm;                  /* [samples.n]; owned */
 } host_query;
 
+/* The distance from a point to the surface, mm; NaN where nothing is found. */
+float host_distance(const smr_surface *surface, const float point[3]);
+
 /* Answers all queries with all threads; samples and mm are empty before. 0, or -1 when out of memory or when a point
  * has no closest point; host_queries_free in either case. */
 int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries);

@@ -1,6 +1,9 @@
 /* mesh_file.c: reads a mesh file of any format: finds the format, calls its reader, checks and mirrors the mesh.
  * SPDX-License-Identifier: MIT */
+#include <inttypes.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,14 +21,14 @@ static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t
     if (need <= *capacity)
         return 0;
     if (need > limit)
-        return host_fail_at(reader->error, reader->unit, reader->number, "at most %zu %s", limit, what);
+        return host_reader_fail(reader, "at most %zu %s", limit, what);
     if (next < need)
         next = need;
     if (next > limit)
         next = limit;
     void *grown = realloc(*array, next * 12u);
     if (grown == NULL)
-        return host_fail_at(reader->error, reader->unit, reader->number, "%zu bytes of free memory", next * 12u);
+        return host_reader_fail(reader, "%zu bytes of free memory", next * 12u);
     *array = grown;
     *capacity = next;
     return 0;
@@ -49,8 +52,7 @@ int host_reader_vertex(host_mesh_reader *reader, const double *xyz)
     const double limit = (double)SMR_COORD_MAX;
     for (int i = 0; i < 3; i++)
         if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
-            return host_fail_at(reader->error, reader->unit, reader->number,
-                                "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
+            return host_reader_fail(reader, "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
     if (mesh->n_vertices >= reader->vertex_capacity &&
         host_reader_reserve(reader, (size_t)mesh->n_vertices + 1u, 0) != 0)
         return -1;
@@ -102,9 +104,77 @@ int host_reader_fan(host_mesh_reader *reader, uint32_t state[3], uint32_t index)
     return n < 2 ? 0 : host_reader_triangle(reader, state[1], before, index);
 }
 
+int host_reader_fail(const host_mesh_reader *reader, const char *expected, ...)
+{
+    va_list list;
+    va_start(list, expected);
+    (void)vsnprintf(reader->error->expected, sizeof reader->error->expected, expected, list);
+    va_end(list);
+    (void)snprintf(reader->error->place, sizeof reader->error->place, "%s %" PRIu64, reader->unit, reader->number);
+    return -1;
+}
+
+int host_numbers_fit(const host_numbers *from, host_type type, uint64_t n)
+{
+    const size_t left = (size_t)(from->text.end - from->text.at);
+    /* text: a digit and a space each, but for the last */
+    return from->binary ? n <= left / host_type_bytes(type) : n <= (left + 1u) / 2u;
+}
+
+int host_numbers_value(host_numbers *from, host_type type, double *value)
+{
+    host_word word;
+    if (from->binary) {
+        if (!host_numbers_fit(from, type, 1))
+            return host_reader_truncated(from->reader);
+        *value = host_type_read(type, (const unsigned char *)from->text.at, from->big_endian);
+        from->text.at += host_type_bytes(type);
+        return 0;
+    }
+    if (!host_text_word(&from->text, &word))
+        return host_reader_truncated(from->reader);
+    if (!host_word_double(word, value))
+        return host_reader_fail(from->reader, "a number, found '%.*s'", (int)(word.n < 40 ? word.n : 40), word.start);
+    return 0;
+}
+
+int host_numbers_index(host_numbers *from, host_type type, uint64_t n, uint32_t *index)
+{
+    double value = 0.0;
+    if (host_numbers_value(from, type, &value) != 0)
+        return -1;
+    if (!(value >= 0.0 && value < (double)n) || (double)(uint32_t)value < value)
+        return host_reader_fail(from->reader, "vertex indexes from 0 to %lld, found %.10g", (long long)n - 1, value);
+    *index = (uint32_t)value;
+    return 0;
+}
+
+int host_numbers_three(host_numbers *from, host_type type, double value[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (host_numbers_value(from, type, &value[i]) != 0)
+            return -1;
+    return 0;
+}
+
+int host_numbers_skip(host_numbers *from, host_type type, uint64_t n)
+{
+    double ignored = 0.0;
+    if (from->binary) {
+        if (!host_numbers_fit(from, type, n))
+            return host_reader_truncated(from->reader);
+        from->text.at += host_type_bytes(type) * (size_t)n;
+        return 0;
+    }
+    for (; n > 0; n--)
+        if (host_numbers_value(from, type, &ignored) != 0)
+            return -1;
+    return 0;
+}
+
 int host_reader_truncated(const host_mesh_reader *reader)
 {
-    return host_fail_at(reader->error, reader->unit, reader->number, "more data, but the file ends here");
+    return host_reader_fail(reader, "more data, but the file ends here");
 }
 
 static void load_one(void *arg, uint32_t task, uint32_t worker)
@@ -136,12 +206,6 @@ static size_t mark_bytes(const unsigned char *data, size_t n)
     return n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3u : 0u;
 }
 
-static int starts_with(const unsigned char *head, size_t n, const char *text)
-{
-    const size_t k = strlen(text);
-    return n >= k && memcmp(head, text, k) == 0;
-}
-
 /* 1 when the first line that is neither empty nor a comment is one of OBJ. */
 static int looks_like_obj(const unsigned char *head, size_t n)
 {
@@ -160,9 +224,9 @@ static int looks_like_obj(const unsigned char *head, size_t n)
 /* Finds the reader by the content, or by the extension where the content does not decide. head: without a mark. */
 static read_function reader_for(const char *path, const unsigned char *head, size_t n, size_t total)
 {
-    if (starts_with(head, n, "ply\n") || starts_with(head, n, "ply\r"))
+    if (host_starts_with(head, n, "ply\n") || host_starts_with(head, n, "ply\r"))
         return host_read_ply;
-    if (starts_with(head, n, "# vtk DataFile"))
+    if (host_starts_with(head, n, "# vtk DataFile"))
         return host_read_vtk;
     if (host_is_binary_stl(head, n, total))
         return host_read_stl;
@@ -177,14 +241,6 @@ static read_function reader_for(const char *path, const unsigned char *head, siz
     return NULL;
 }
 
-static int accept_mesh(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
-{
-    const size_t skip = mark_bytes(head, n);
-    if (reader_for(path, head + skip, n - skip, total - skip) == NULL)
-        return host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
-    return 0;
-}
-
 /* A cloud may be a CSV file, too. */
 static read_function cloud_reader(const char *path, const unsigned char *head, size_t n, size_t total)
 {
@@ -192,25 +248,20 @@ static read_function cloud_reader(const char *path, const unsigned char *head, s
     return found == NULL && host_has_extension(path, ".csv") ? host_read_csv : found;
 }
 
-static int accept_cloud(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_mesh(const host_head *head, host_error *error)
 {
-    const size_t skip = mark_bytes(head, n);
-    if (cloud_reader(path, head + skip, n - skip, total - skip) == NULL)
-        return host_fail(error, "content", "a PLY, STL, OBJ, legacy VTK polydata or CSV file");
+    const size_t skip = mark_bytes(head->data, head->n);
+    if (reader_for(head->path, head->data + skip, head->n - skip, head->total - skip) == NULL)
+        return host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
     return 0;
 }
 
-/* Turns RAS into LPS: a rotation by 180 degrees about the third axis, which keeps the triangles' outside. */
-static void turn_ras(host_mesh *mesh)
+static int accept_cloud(const host_head *head, host_error *error)
 {
-    for (size_t i = 0; i < mesh->n_vertices; i++) {
-        mesh->xyz[3u * i] = -mesh->xyz[3u * i];
-        mesh->xyz[3u * i + 1u] = -mesh->xyz[3u * i + 1u];
-    }
-    for (size_t i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++) {
-        mesh->normals[3u * i] = -mesh->normals[3u * i];
-        mesh->normals[3u * i + 1u] = -mesh->normals[3u * i + 1u];
-    }
+    const size_t skip = mark_bytes(head->data, head->n);
+    if (cloud_reader(head->path, head->data + skip, head->n - skip, head->total - skip) == NULL)
+        return host_fail(error, "content", "a PLY, STL, OBJ, legacy VTK polydata or CSV file");
+    return 0;
 }
 
 static int check(const host_mesh *mesh, int need, host_error *error)
@@ -235,12 +286,8 @@ static void drop_normals(const host_mesh_reader *reader)
 int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error)
 {
     host_bytes bytes;
-    host_mesh_reader reader = {0};
+    host_mesh_reader reader = {.mesh = mesh, .error = error, .unit = "header line", .cloud = need == HOST_MESH_CLOUD};
     memset(mesh, 0, sizeof *mesh);
-    reader.mesh = mesh;
-    reader.error = error;
-    reader.unit = "header line";
-    reader.cloud = need == HOST_MESH_CLOUD;
     if (host_file_read(path, reader.cloud ? accept_cloud : accept_mesh, &bytes, error) != 0)
         return -1;
     size_t skip = mark_bytes(bytes.data, bytes.size);
@@ -256,8 +303,8 @@ int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host
         return -1;
     }
     drop_normals(&reader);
-    if (reader.ras)
-        turn_ras(mesh);
+    for (int axis = 0; reader.ras && axis < 2; axis++) /* RAS to LPS: a rotation, which keeps the triangles' outside */
+        host_mesh_negate(mesh, axis);
     if (mirror != HOST_MIRROR_NONE)
         host_mesh_mirror(mesh, mirror);
     return 0;

@@ -52,11 +52,6 @@ static host_type type_named(host_word word)
 
 static int is_whole(host_type type) { return type != HOST_TYPE_NONE && type != HOST_TYPE_F32 && type != HOST_TYPE_F64; }
 
-static int bad_line(const host_mesh_reader *reader, const char *expected)
-{
-    return host_fail_at(reader->error, "header line", reader->number, "%s", expected);
-}
-
 static int read_format(const host_mesh_reader *reader, host_text *line, host_ply_header *header)
 {
     static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -67,7 +62,7 @@ static int read_format(const host_mesh_reader *reader, host_text *line, host_ply
                 header->format = i;
                 return 0;
             }
-    return bad_line(reader, "the format ascii, binary_little_endian or binary_big_endian");
+    return host_reader_fail(reader, "the format ascii, binary_little_endian or binary_big_endian");
 }
 
 static int read_element(const host_mesh_reader *reader, host_text *line, host_ply_header *header)
@@ -77,18 +72,17 @@ static int read_element(const host_mesh_reader *reader, host_text *line, host_pl
     int64_t count = 0;
     if (!host_text_word_in_line(line, &name) || !host_text_word_in_line(line, &number) ||
         !host_word_int(number, &count) || count < 0)
-        return bad_line(reader, "an element's name and a count of 0 or more");
+        return host_reader_fail(reader, "an element's name and a count of 0 or more");
     if (header->n_elements == HOST_PLY_ELEMENTS_MAX)
-        return bad_line(reader, "at most 16 elements");
+        return host_reader_fail(reader, "at most 16 elements");
     host_ply_element *element = &header->element[header->n_elements++];
     memset(element, 0, sizeof *element);
     element->count = (uint64_t)count;
     element->line = (uint32_t)reader->number;
     element->kind = host_word_is(name, "vertex") ? HOST_PLY_VERTEX : host_word_is(name, "face") ? HOST_PLY_FACE : 0;
     if (count > most[element->kind])
-        return host_fail_at(reader->error, "header line", reader->number, "at most %lld %s, found %lld",
-                            (long long)most[element->kind], element->kind == HOST_PLY_FACE ? "faces" : "vertices",
-                            (long long)count);
+        return host_reader_fail(reader, "at most %lld %s, found %lld", (long long)most[element->kind],
+                                element->kind == HOST_PLY_FACE ? "faces" : "vertices", (long long)count);
     return 0;
 }
 
@@ -111,28 +105,28 @@ static int read_property(const host_mesh_reader *reader, host_text *line, host_p
 {
     host_word word;
     if (header->n_elements == 0)
-        return bad_line(reader, "an element before its properties");
+        return host_reader_fail(reader, "an element before its properties");
     host_ply_element *element = &header->element[header->n_elements - 1u];
     if (element->n_properties == HOST_PLY_PROPERTIES_MAX)
-        return bad_line(reader, "at most 64 properties");
+        return host_reader_fail(reader, "at most 64 properties");
     host_ply_property *property = &element->property[element->n_properties++];
     property->count_type = HOST_TYPE_NONE;
     if (!host_text_word_in_line(line, &word))
-        return bad_line(reader, "a property's type and name");
+        return host_reader_fail(reader, "a property's type and name");
     if (host_word_is(word, "list")) {
         property->count_type = host_text_word_in_line(line, &word) ? type_named(word) : HOST_TYPE_NONE;
         if (!is_whole(property->count_type))
-            return bad_line(reader, "a whole-number type for the list's count");
+            return host_reader_fail(reader, "a whole-number type for the list's count");
         if (!host_text_word_in_line(line, &word))
-            return bad_line(reader, "the type of the list's values");
+            return host_reader_fail(reader, "the type of the list's values");
         element->has_list = 1;
     }
     property->type = type_named(word);
     if (property->type == HOST_TYPE_NONE || !host_text_word_in_line(line, &word))
-        return bad_line(reader, "a property's type (char, ..., double) and name");
+        return host_reader_fail(reader, "a property's type (char, ..., double) and name");
     property->role = role_of(element->kind, property, word);
     if (element->kind == HOST_PLY_FACE && property->role == 0 && !is_whole(property->type))
-        return bad_line(reader, "whole numbers as vertex indexes");
+        return host_reader_fail(reader, "whole numbers as vertex indexes");
     element->row_bytes +=
         host_type_bytes(property->count_type == HOST_TYPE_NONE ? property->type : property->count_type);
     return 0;
@@ -204,7 +198,7 @@ static int read_line(host_mesh_reader *reader, host_word whole, host_ply_header 
         return read_element(reader, &line, header);
     if (host_word_is(word, "property"))
         return read_property(reader, &line, header);
-    return bad_line(reader, "format, element, property, comment or end_header");
+    return host_reader_fail(reader, "format, element, property, comment or end_header");
 }
 
 /* Reads the header and checks that the rest of the file can hold its counts. 0, or -1 with the error filled. */
@@ -217,13 +211,13 @@ static int host_ply_read_header(host_mesh_reader *reader, const unsigned char *d
     header->format = -1;
     reader->number = 1;
     if (!host_text_line(&text, &whole) || !host_word_is(whole, "ply"))
-        return bad_line(reader, "the word ply");
+        return host_reader_fail(reader, "the word ply");
     while (done == 0) {
         /* With old Mac line ends a body byte of 10 after end_header is data, not a line end. */
         const char *const before = text.at;
         reader->number = text.line;
         if (!host_text_line(&text, &whole))
-            return bad_line(reader, "end_header, but the file ends here");
+            return host_reader_fail(reader, "end_header, but the file ends here");
         done = read_line(reader, whole, header);
         if (done == 1 && data[3] == '\r' && data[4] != '\n')
             text.at = before + whole.n + 1;
@@ -233,75 +227,29 @@ static int host_ply_read_header(host_mesh_reader *reader, const unsigned char *d
     header->lines = (uint32_t)reader->number;
     header->body = (const unsigned char *)text.at;
     if (header->format < 0)
-        return bad_line(reader, "a format line before it");
+        return host_reader_fail(reader, "a format line before it");
     return check_claims(reader, header, n - (size_t)(header->body - data));
 }
 
-/* The reading position in the values of a PLY file. */
-typedef struct source {
-    host_mesh_reader *reader;
-    int format;
-    host_text text;                /* ASCII */
-    const unsigned char *at, *end; /* binary */
-} source;
-
-static int next_value(source *from, host_type type, double *value)
-{
-    if (from->format == HOST_PLY_ASCII) {
-        host_word word;
-        if (!host_text_word(&from->text, &word))
-            return host_reader_truncated(from->reader);
-        if (!host_word_double(word, value))
-            return host_fail_at(from->reader->error, from->reader->unit, from->reader->number, "a number, found '%.*s'",
-                                (int)(word.n < 40 ? word.n : 40), word.start);
-    } else {
-        const size_t bytes = host_type_bytes(type);
-        if ((size_t)(from->end - from->at) < bytes)
-            return host_reader_truncated(from->reader);
-        *value = host_type_read(type, from->at, from->format == HOST_PLY_BIG);
-        from->at += bytes;
-    }
-    return 0;
-}
-
-/* Skips n values of one type. */
-static int skip_values(source *from, host_type type, uint64_t n)
-{
-    double ignored = 0.0;
-    if (from->format != HOST_PLY_ASCII) {
-        const size_t bytes = host_type_bytes(type);
-        if (n > (size_t)(from->end - from->at) / bytes)
-            return host_reader_truncated(from->reader);
-        from->at += bytes * (size_t)n;
-        return 0;
-    }
-    for (; n > 0; n--)
-        if (next_value(from, type, &ignored) != 0)
-            return -1;
-    return 0;
-}
-
-static int next_count(source *from, host_type type, uint32_t least, uint64_t *count)
+static int next_count(host_numbers *from, host_type type, uint32_t least, uint64_t *count)
 {
     double value = 0.0;
-    if (next_value(from, type, &value) != 0)
+    if (host_numbers_value(from, type, &value) != 0)
         return -1;
     if (!(value >= (double)least && value <= 4294967295.0))
-        return host_fail_at(from->reader->error, from->reader->unit, from->reader->number,
-                            "a list count of %u or more, found %g", least, value);
+        return host_reader_fail(from->reader, "a list count of %u or more, found %g", least, value);
     *count = (uint64_t)value;
     if ((double)*count < value)
-        return host_fail_at(from->reader->error, from->reader->unit, from->reader->number,
-                            "a whole list count, found %g", value);
+        return host_reader_fail(from->reader, "a whole list count, found %g", value);
     return 0;
 }
 
-static int skip_property(source *from, const host_ply_property *property)
+static int skip_property(host_numbers *from, const host_ply_property *property)
 {
     uint64_t count = 1;
     if (property->count_type != HOST_TYPE_NONE && next_count(from, property->count_type, 0, &count) != 0)
         return -1;
-    return skip_values(from, property->type, count);
+    return host_numbers_skip(from, property->type, count);
 }
 
 static int has_normals(const host_ply_element *element)
@@ -313,7 +261,7 @@ static int has_normals(const host_ply_element *element)
     return found == 7u;
 }
 
-static int read_vertices(source *from, const host_ply_element *element)
+static int read_vertices(host_numbers *from, const host_ply_element *element)
 {
     host_mesh_reader *const reader = from->reader;
     double value[6] = {0.0}; /* position and normal */
@@ -324,7 +272,7 @@ static int read_vertices(source *from, const host_ply_element *element)
         for (uint32_t i = 0; i < element->n_properties; i++) {
             const host_ply_property *const property = &element->property[i];
             const int result = property->role < 0 ? skip_property(from, property)
-                                                  : next_value(from, property->type, &value[property->role]);
+                                                  : host_numbers_value(from, property->type, &value[property->role]);
             if (result != 0)
                 return -1;
         }
@@ -334,7 +282,7 @@ static int read_vertices(source *from, const host_ply_element *element)
     return 0;
 }
 
-static int read_polygon(source *from, const host_ply_property *property, uint64_t n_vertices)
+static int read_polygon(host_numbers *from, const host_ply_property *property, uint64_t n_vertices)
 {
     host_mesh_reader *const reader = from->reader;
     uint32_t fan[3] = {0, 0, 0};
@@ -342,19 +290,15 @@ static int read_polygon(source *from, const host_ply_property *property, uint64_
     if (next_count(from, property->count_type, 3, &count) != 0)
         return -1;
     for (uint64_t i = 0; i < count; i++) {
-        double value = 0.0;
-        if (next_value(from, property->type, &value) != 0)
-            return -1;
-        if (!(value >= 0.0 && value < (double)n_vertices) || (double)(uint32_t)value < value)
-            return host_fail_at(reader->error, "face", reader->number, "vertex indexes from 0 to %llu, found %.10g",
-                                (unsigned long long)n_vertices - 1u, value);
-        if (host_reader_fan(reader, fan, (uint32_t)value) != 0)
+        uint32_t index = 0;
+        if (host_numbers_index(from, property->type, n_vertices, &index) != 0 ||
+            host_reader_fan(reader, fan, index) != 0)
             return -1;
     }
     return 0;
 }
 
-static int read_faces(source *from, const host_ply_element *element, uint64_t n_vertices)
+static int read_faces(host_numbers *from, const host_ply_element *element, uint64_t n_vertices)
 {
     host_mesh_reader *const reader = from->reader;
     if (host_reader_reserve(reader, 0, (size_t)element->count) != 0)
@@ -371,19 +315,14 @@ static int read_faces(source *from, const host_ply_element *element, uint64_t n_
     return 0;
 }
 
-static int skip_element(source *from, const host_ply_element *element)
+static int skip_element(host_numbers *from, const host_ply_element *element)
 {
     host_mesh_reader *const reader = from->reader;
     reader->number = 0;
     if (element->n_properties == 0)
-        return 0; /* rows without properties take no bytes */
-    if (!element->has_list && from->format != HOST_PLY_ASCII) {
-        const size_t bytes = element->row_bytes * (size_t)element->count; /* bounded by the header check */
-        if (bytes > (size_t)(from->end - from->at))
-            return host_reader_truncated(reader);
-        from->at += bytes;
-        return 0;
-    }
+        return 0;                           /* rows without properties take no bytes */
+    if (!element->has_list && from->binary) /* the header check bounds the product */
+        return host_numbers_skip(from, HOST_TYPE_U8, element->row_bytes * element->count);
     for (; reader->number < element->count; reader->number++) {
         for (uint32_t i = 0; i < element->n_properties; i++)
             if (skip_property(from, &element->property[i]) != 0)
@@ -395,14 +334,10 @@ static int skip_element(source *from, const host_ply_element *element)
 int host_read_ply(host_mesh_reader *reader, const unsigned char *data, size_t n)
 {
     host_ply_header header;
-    source from = {0};
     if (host_ply_read_header(reader, data, n, &header) != 0)
         return -1;
-    from.reader = reader;
-    from.format = header.format;
-    from.at = header.body;
-    from.end = data + n;
-    from.text = host_text_over(header.body, (size_t)(from.end - header.body));
+    host_numbers from = {reader, host_text_over(header.body, n - (size_t)(header.body - data)),
+                         header.format != HOST_PLY_ASCII, header.format == HOST_PLY_BIG};
     for (uint32_t i = 0; i < header.n_elements; i++) {
         const host_ply_element *const element = &header.element[i];
         int result = 0;

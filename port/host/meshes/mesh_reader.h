@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/text_scan.h"
 #include "meshes/triangle_mesh.h"
 
 /* A mesh being read. `unit` and `number` are the reader's place in the file, for the error line. */
@@ -28,6 +29,25 @@ int host_reader_vertex(host_mesh_reader *reader, const double *xyz);
 
 /* Adds the next point's normal, where wanted. One that is no direction becomes 0. */
 int host_reader_normal(host_mesh_reader *reader, const double *normal);
+
+/* Numbers of a file, as text or binary. */
+typedef struct host_numbers {
+    host_mesh_reader *reader;
+    host_text text; /* where reading is, in binary files as well */
+    int binary, big_endian;
+} host_numbers;
+
+/* Reads one number, an index of one of n vertices, or three numbers. type: of binary files. */
+int host_numbers_value(host_numbers *from, host_type type, double *value);
+int host_numbers_index(host_numbers *from, host_type type, uint64_t n, uint32_t *index);
+int host_numbers_three(host_numbers *from, host_type type, double value[3]);
+
+/* 1 when the rest of the file can hold n numbers of the type. */
+int host_numbers_fit(const host_numbers *from, host_type type, uint64_t n);
+int host_numbers_skip(host_numbers *from, host_type type, uint64_t n);
+
+/* Fills the error at the reader's place. Returns -1. */
+int host_reader_fail(const host_mesh_reader *reader, const char *expected, ...) HOST_PRINTF(2, 3);
 
 /* Adds one triangle. The caller checks the indexes. */
 int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c);

@@ -70,7 +70,7 @@ static int weld_vertex(host_mesh_reader *reader, weld *table, const double *xyz,
     *index = mesh->n_vertices++;
     table->slot[at] = *index;
     if (mesh->n_vertices > table->mask / 2u && resize(table, mesh, 2u * (table->mask + 1u)) != 0)
-        return host_fail_at(reader->error, reader->unit, reader->number, "more free memory");
+        return host_reader_fail(reader, "more free memory");
     return 0;
 }
 
@@ -129,10 +129,9 @@ static int expect_word(host_mesh_reader *reader, host_text *text, const char *na
     const int there = host_text_word(text, &word);
     reader->number = text->line;
     if (!there)
-        return host_fail_at(reader->error, "line", reader->number, "'%s', but the file ends here", name);
+        return host_reader_fail(reader, "'%s', but the file ends here", name);
     if (!host_word_is_nocase(word, name))
-        return host_fail_at(reader->error, "line", reader->number, "'%s', found '%.*s'", name,
-                            (int)(word.n < 40 ? word.n : 40), word.start);
+        return host_reader_fail(reader, "'%s', found '%.*s'", name, (int)(word.n < 40 ? word.n : 40), word.start);
     return 0;
 }
 
@@ -145,8 +144,7 @@ static int read_numbers(host_mesh_reader *reader, host_text *text, double *xyz)
         if (!there)
             return host_reader_truncated(reader);
         if (!host_word_double(word, &xyz[i]))
-            return host_fail_at(reader->error, "line", reader->number, "a number, found '%.*s'",
-                                (int)(word.n < 40 ? word.n : 40), word.start);
+            return host_reader_fail(reader, "a number, found '%.*s'", (int)(word.n < 40 ? word.n : 40), word.start);
     }
     return 0;
 }
@@ -185,13 +183,13 @@ static int read_ascii(host_mesh_reader *reader, weld *table, const unsigned char
             (void)host_text_line(&text, &word);
             inside = 0;
         } else {
-            return host_fail_at(reader->error, "line", reader->number, "%s, found '%.*s'",
-                                inside ? "facet or endsolid" : "solid", (int)(word.n < 40 ? word.n : 40), word.start);
+            return host_reader_fail(reader, "%s, found '%.*s'", inside ? "facet or endsolid" : "solid",
+                                    (int)(word.n < 40 ? word.n : 40), word.start);
         }
     }
     reader->number = text.line;
     if (inside)
-        return host_fail_at(reader->error, "line", reader->number, "endsolid, but the file ends here");
+        return host_reader_fail(reader, "endsolid, but the file ends here");
     return 0;
 }
 

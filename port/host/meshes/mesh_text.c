@@ -109,8 +109,7 @@ static int read_three(host_mesh_reader *reader, host_text *text, int is_normal)
     for (int i = 0; i < 3; i++) {
         host_word word;
         if (!next_word(text, &word) || !host_word_double(word, &xyz[i]))
-            return host_fail_at(reader->error, "line", reader->number, "three numbers after %s",
-                                is_normal ? "vn" : "v");
+            return host_reader_fail(reader, "three numbers after %s", is_normal ? "vn" : "v");
     }
     return is_normal ? host_reader_normal(reader, xyz) : host_reader_vertex(reader, xyz);
 }
@@ -124,12 +123,11 @@ static int read_index(const host_mesh_reader *reader, host_word word, pending *l
     if (slash != NULL)
         word.n = (size_t)(slash - word.start);
     if (!host_word_int(word, &value) || value == 0)
-        return host_fail_at(reader->error, "line", reader->number, "vertex indexes from 1, found '%.*s'",
-                            (int)(word.n < 40 ? word.n : 40), word.start);
+        return host_reader_fail(reader, "vertex indexes from 1, found '%.*s'", (int)(word.n < 40 ? word.n : 40),
+                                word.start);
     value = value < 0 ? known + value : value - 1;
     if (value < 0 || value >= (int64_t)SMR_VERTICES_MAX)
-        return host_fail_at(reader->error, "line", reader->number, "the index of one of the %lld vertices so far",
-                            (long long)known);
+        return host_reader_fail(reader, "the index of one of the %lld vertices so far", (long long)known);
     if (value > last->index) {
         last->index = value;
         last->line = (uint32_t)reader->number;
@@ -150,7 +148,7 @@ static int read_face(host_mesh_reader *reader, host_text *text, pending *last)
             return -1;
     }
     if (fan[0] < 3)
-        return host_fail_at(reader->error, "line", reader->number, "at least 3 vertices in a face");
+        return host_reader_fail(reader, "at least 3 vertices in a face");
     return 0;
 }
 
@@ -176,7 +174,7 @@ int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n)
         else if (host_word_is(word, "f"))
             result = read_face(reader, &words, &last);
         else if (memchr(whole.start, '\0', whole.n) != NULL)
-            result = host_fail_at(reader->error, "line", reader->number, "text");
+            result = host_reader_fail(reader, "text");
         if (result != 0)
             return -1;
     }

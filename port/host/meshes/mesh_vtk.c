@@ -5,12 +5,6 @@
 #include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
-typedef struct host_vtk {
-    host_mesh_reader *reader;
-    host_text text;
-    int binary;
-} host_vtk;
-
 /* The type with this name ("float", "vtktypeint64", ...); HOST_TYPE_NONE when unknown. */
 static host_type host_vtk_type(host_word word)
 {
@@ -30,56 +24,19 @@ static host_type host_vtk_type(host_word word)
 }
 
 /* Fills the error of the current line. Returns -1. */
-static int host_vtk_fail(host_vtk *vtk, const char *expected)
+static int host_vtk_fail(host_numbers *vtk, const char *expected)
 {
     return host_fail_at(vtk->reader->error, "line", vtk->text.line, "%s", expected);
 }
 
-/* 1 when the rest of the file can hold n values of the type. */
-static int host_vtk_fits(const host_vtk *vtk, host_type type, uint64_t n)
+/* Text is not read to its end where it cannot hold the numbers. */
+static int skip(host_numbers *vtk, host_type type, uint64_t n)
 {
-    const size_t left = (size_t)(vtk->text.end - vtk->text.at);
-    /* text: a digit and a space each, but for the last */
-    return vtk->binary ? n <= left / host_type_bytes(type) : n <= (left + 1u) / 2u;
-}
-
-static int host_vtk_value(host_vtk *vtk, host_type type, double *value)
-{
-    const host_mesh_reader *const reader = vtk->reader;
-    host_word word;
-    if (vtk->binary) {
-        const size_t bytes = host_type_bytes(type);
-        if ((size_t)(vtk->text.end - vtk->text.at) < bytes)
-            return host_reader_truncated(reader);
-        *value = host_type_read(type, (const unsigned char *)vtk->text.at, 1);
-        vtk->text.at += bytes;
-        return 0;
-    }
-    if (!host_text_word(&vtk->text, &word))
-        return host_reader_truncated(reader);
-    if (!host_word_double(word, value))
-        return host_fail_at(reader->error, reader->unit, reader->number, "a number, found '%.*s'",
-                            (int)(word.n < 40 ? word.n : 40), word.start);
-    return 0;
-}
-
-static int host_vtk_skip(host_vtk *vtk, host_type type, uint64_t n)
-{
-    double ignored = 0.0;
-    if (!host_vtk_fits(vtk, type, n))
-        return host_reader_truncated(vtk->reader);
-    if (vtk->binary) {
-        vtk->text.at += host_type_bytes(type) * (size_t)n;
-        return 0;
-    }
-    for (; n > 0; n--)
-        if (host_vtk_value(vtk, type, &ignored) != 0)
-            return -1;
-    return 0;
+    return host_numbers_fit(vtk, type, n) ? host_numbers_skip(vtk, type, n) : host_reader_truncated(vtk->reader);
 }
 
 /* Reads the next word of the line as a count, 0 or more, that the file can hold. `what` names it in the error. */
-static int host_vtk_count(host_vtk *vtk, const char *what, uint64_t *count)
+static int host_vtk_count(host_numbers *vtk, const char *what, uint64_t *count)
 {
     host_word word;
     int64_t value = 0;
@@ -93,7 +50,7 @@ static int host_vtk_count(host_vtk *vtk, const char *what, uint64_t *count)
 }
 
 /* Reads the next word of the line as a type name. */
-static int host_vtk_type_word(host_vtk *vtk, const char *what, host_type *type)
+static int host_vtk_type_word(host_numbers *vtk, const char *what, host_type *type)
 {
     host_word word;
     *type = HOST_TYPE_NONE;
@@ -103,7 +60,7 @@ static int host_vtk_type_word(host_vtk *vtk, const char *what, host_type *type)
 }
 
 /* Skips the rest of the line: binary data starts on the next. */
-static void host_vtk_end_line(host_vtk *vtk)
+static void host_vtk_end_line(host_numbers *vtk)
 {
     host_word rest;
     (void)host_text_line(&vtk->text, &rest);
@@ -112,32 +69,18 @@ static void host_vtk_end_line(host_vtk *vtk)
 /* How to read the cells of a section. */
 enum { HOST_VTK_SKIP = 0, HOST_VTK_POLYGONS, HOST_VTK_STRIPS };
 
-static int index_value(host_vtk *vtk, host_type type, uint32_t *index)
-{
-    const host_mesh_reader *const reader = vtk->reader;
-    double value = 0.0;
-    if (host_vtk_value(vtk, type, &value) != 0)
-        return -1;
-    if (!(value >= 0.0 && value < (double)reader->mesh->n_vertices) || (double)(uint32_t)value < value)
-        return host_fail_at(reader->error, reader->unit, reader->number, "vertex indexes from 0 to %lld, found %.10g",
-                            (long long)reader->mesh->n_vertices - 1, value);
-    *index = (uint32_t)value;
-    return 0;
-}
-
 /* Reads one cell of n indexes. Every second triangle of a strip is reversed, so that all have the same outside. */
-static int read_cell(host_vtk *vtk, int use, host_type type, uint64_t n)
+static int read_cell(host_numbers *vtk, int use, host_type type, uint64_t n)
 {
     host_mesh_reader *const reader = vtk->reader;
     uint32_t fan[3] = {0, 0, 0}, index = 0, a = 0, b = 0;
     if (use == HOST_VTK_SKIP)
-        return host_vtk_skip(vtk, type, n);
+        return skip(vtk, type, n);
     if (n < 3)
-        return host_fail_at(reader->error, reader->unit, reader->number, "at least 3 vertices, found %llu",
-                            (unsigned long long)n);
+        return host_reader_fail(reader, "at least 3 vertices, found %llu", (unsigned long long)n);
     for (uint64_t i = 0; i < n; i++) {
         int result = 0;
-        if (index_value(vtk, type, &index) != 0)
+        if (host_numbers_index(vtk, type, reader->mesh->n_vertices, &index) != 0)
             return -1;
         if (use == HOST_VTK_POLYGONS)
             result = host_reader_fan(reader, fan, index);
@@ -153,18 +96,17 @@ static int read_cell(host_vtk *vtk, int use, host_type type, uint64_t n)
 }
 
 /* Reads rows "n i j k ...", `size` numbers in total. */
-static int read_rows(host_vtk *vtk, int use, uint64_t cells, uint64_t size)
+static int read_rows(host_numbers *vtk, int use, uint64_t cells, uint64_t size)
 {
     host_mesh_reader *const reader = vtk->reader;
-    if (!host_vtk_fits(vtk, HOST_TYPE_I32, size) || cells > size)
+    if (!host_numbers_fit(vtk, HOST_TYPE_I32, size) || cells > size)
         return host_vtk_fail(vtk, "cell counts the file can hold");
     for (reader->number = 0; reader->number < cells; reader->number++) {
         double n = 0.0;
-        if (host_vtk_value(vtk, HOST_TYPE_I32, &n) != 0)
+        if (host_numbers_value(vtk, HOST_TYPE_I32, &n) != 0)
             return -1;
         if (!(n >= 0.0 && n < (double)size))
-            return host_fail_at(reader->error, reader->unit, reader->number, "a count of indexes below %llu, found %g",
-                                (unsigned long long)size, n);
+            return host_reader_fail(reader, "a count of indexes below %llu, found %g", (unsigned long long)size, n);
         if (read_cell(vtk, use, HOST_TYPE_I32, (uint64_t)n) != 0)
             return -1;
     }
@@ -172,7 +114,7 @@ static int read_rows(host_vtk *vtk, int use, uint64_t cells, uint64_t size)
 }
 
 /* Reads the line "OFFSETS type" or "CONNECTIVITY type". */
-static int array_line(host_vtk *vtk, const char *name, host_type *type)
+static int array_line(host_numbers *vtk, const char *name, host_type *type)
 {
     host_word word;
     if (!host_text_word(&vtk->text, &word) || !host_word_is_nocase(word, name))
@@ -183,17 +125,16 @@ static int array_line(host_vtk *vtk, const char *name, host_type *type)
     return 0;
 }
 
-static int read_offsets(host_vtk *vtk, host_type type, uint64_t n, uint64_t size, uint32_t *offset)
+static int read_offsets(host_numbers *vtk, host_type type, uint64_t n, uint64_t size, uint32_t *offset)
 {
     host_mesh_reader *const reader = vtk->reader;
     double last = 0.0;
     for (reader->number = 0; reader->number < n; reader->number++) {
         double value = 0.0;
-        if (host_vtk_value(vtk, type, &value) != 0)
+        if (host_numbers_value(vtk, type, &value) != 0)
             return -1;
         if (!(value >= last && value <= (double)size) || (reader->number == 0 && value > 0.0))
-            return host_fail_at(reader->error, reader->unit, reader->number, "offsets rising from 0 to %llu, found %g",
-                                (unsigned long long)size, value);
+            return host_reader_fail(reader, "offsets rising from 0 to %llu, found %g", (unsigned long long)size, value);
         last = value;
         offset[reader->number] = (uint32_t)value;
     }
@@ -201,13 +142,13 @@ static int read_offsets(host_vtk *vtk, host_type type, uint64_t n, uint64_t size
 }
 
 /* Reads cells of version 5.1: n offsets (one more than cells), then `size` indexes. */
-static int read_arrays(host_vtk *vtk, int use, uint64_t n, uint64_t size)
+static int read_arrays(host_numbers *vtk, int use, uint64_t n, uint64_t size)
 {
     host_mesh_reader *const reader = vtk->reader;
     host_type type = HOST_TYPE_NONE;
     if (array_line(vtk, "OFFSETS", &type) != 0)
         return -1;
-    if (!host_vtk_fits(vtk, type, n) || size > 0xffffffffu)
+    if (!host_numbers_fit(vtk, type, n) || size > 0xffffffffu)
         return host_vtk_fail(vtk, "cell counts the file can hold");
     uint32_t *offset = malloc(sizeof *offset * ((size_t)n + 1u));
     if (offset == NULL)
@@ -223,7 +164,7 @@ static int read_arrays(host_vtk *vtk, int use, uint64_t n, uint64_t size)
 
 /* Reads a section whose keyword has just been read: counts, then "n i j k ..." rows or, since version 5.1,
  * the arrays OFFSETS and CONNECTIVITY. */
-static int host_vtk_cells(host_vtk *vtk, int use)
+static int host_vtk_cells(host_numbers *vtk, int use)
 {
     uint64_t cells = 0, size = 0;
     host_word word;
@@ -238,7 +179,7 @@ static int host_vtk_cells(host_vtk *vtk, int use)
 }
 
 /* Reads the header: "# vtk DataFile Version", a title, ASCII or BINARY. */
-static int read_head(host_vtk *vtk)
+static int read_head(host_numbers *vtk)
 {
     host_word line;
     if (!host_text_line(&vtk->text, &line) || !host_word_has(line, "vtk DataFile"))
@@ -256,7 +197,7 @@ static int read_head(host_vtk *vtk)
     return 0;
 }
 
-static int read_points(host_vtk *vtk)
+static int read_points(host_numbers *vtk)
 {
     host_mesh_reader *const reader = vtk->reader;
     host_type type = HOST_TYPE_NONE;
@@ -267,7 +208,7 @@ static int read_points(host_vtk *vtk)
         host_vtk_type_word(vtk, "the type of the points, float or double", &type) != 0)
         return -1;
     host_vtk_end_line(vtk);
-    if (n > SMR_VERTICES_MAX || !host_vtk_fits(vtk, type, 3u * n))
+    if (n > SMR_VERTICES_MAX || !host_numbers_fit(vtk, type, 3u * n))
         return host_fail_at(reader->error, "line", vtk->text.line - 1u,
                             "a count of points the file can hold, found %llu", (unsigned long long)n);
     reader->unit = "vertex";
@@ -276,17 +217,14 @@ static int read_points(host_vtk *vtk)
         return -1;
     for (reader->number = 0; reader->number < n; reader->number++) {
         double xyz[3];
-        for (int i = 0; i < 3; i++)
-            if (host_vtk_value(vtk, type, &xyz[i]) != 0)
-                return -1;
-        if (host_reader_vertex(reader, xyz) != 0)
+        if (host_numbers_three(vtk, type, xyz) != 0 || host_reader_vertex(reader, xyz) != 0)
             return -1;
     }
     return 0;
 }
 
 /* Skips "FIELD name n" and its n arrays, each "name components tuples type" and data. */
-static int skip_field(host_vtk *vtk)
+static int skip_field(host_numbers *vtk)
 {
     uint64_t arrays = 0;
     host_word word;
@@ -305,23 +243,24 @@ static int skip_field(host_vtk *vtk)
             host_vtk_type_word(vtk, "a numeric type", &type) != 0)
             return -1;
         host_vtk_end_line(vtk);
-        if (host_vtk_skip(vtk, type, components * tuples) != 0)
+        if (skip(vtk, type, components * tuples) != 0)
             return -1;
     }
     return 0;
 }
 
 /* Skips "METADATA" and its lines up to an empty line. */
-static void skip_metadata(host_vtk *vtk)
+static int skip_metadata(host_numbers *vtk)
 {
     host_word line;
     host_vtk_end_line(vtk);
     while (host_text_line(&vtk->text, &line) && line.n > 0)
         continue;
+    return 0;
 }
 
 /* Reads the points' normals, where they come first: "POINT_DATA n", "NORMALS name type". */
-static int read_normals(host_vtk *vtk)
+static int read_normals(host_numbers *vtk)
 {
     host_mesh_reader *const reader = vtk->reader;
     host_type type = HOST_TYPE_NONE;
@@ -338,17 +277,14 @@ static int read_normals(host_vtk *vtk)
     reader->unit = "normal";
     for (reader->number = 0; reader->number < n; reader->number++) {
         double normal[3];
-        for (int i = 0; i < 3; i++)
-            if (host_vtk_value(vtk, type, &normal[i]) != 0)
-                return -1;
-        if (host_reader_normal(reader, normal) != 0)
+        if (host_numbers_three(vtk, type, normal) != 0 || host_reader_normal(reader, normal) != 0)
             return -1;
     }
     return 0;
 }
 
 /* Reads one section. 1 at the end of the geometry, 0 to go on, -1 with the error filled. */
-static int read_section(host_vtk *vtk, host_word keyword)
+static int read_section(host_numbers *vtk, host_word keyword)
 {
     if (host_word_is_nocase(keyword, "POINTS"))
         return read_points(vtk);
@@ -360,10 +296,8 @@ static int read_section(host_vtk *vtk, host_word keyword)
         return host_vtk_cells(vtk, HOST_VTK_SKIP);
     if (host_word_is_nocase(keyword, "FIELD"))
         return skip_field(vtk);
-    if (host_word_is_nocase(keyword, "METADATA")) {
-        skip_metadata(vtk);
-        return 0;
-    }
+    if (host_word_is_nocase(keyword, "METADATA"))
+        return skip_metadata(vtk);
     if (host_word_is_nocase(keyword, "POINT_DATA") && vtk->reader->cloud && vtk->reader->mesh->n_triangles == 0)
         return read_normals(vtk) != 0 ? -1 : 1;
     if (host_word_is_nocase(keyword, "POINT_DATA") || host_word_is_nocase(keyword, "CELL_DATA"))
@@ -373,12 +307,9 @@ static int read_section(host_vtk *vtk, host_word keyword)
 
 int host_read_vtk(host_mesh_reader *reader, const unsigned char *data, size_t n)
 {
-    host_vtk vtk;
+    host_numbers vtk = {reader, host_text_over(data, n), 0, 1};
     host_word keyword;
     int result = 0;
-    vtk.reader = reader;
-    vtk.text = host_text_over(data, n);
-    vtk.binary = 0;
     if (read_head(&vtk) != 0)
         return -1;
     while (result == 0 && host_text_word(&vtk.text, &keyword))

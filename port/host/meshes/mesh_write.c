@@ -18,17 +18,27 @@ int host_format_of(const char *path)
     return format <= HOST_FORMAT_OBJ ? format : -1;
 }
 
-static void write_ply_faces(const host_mesh *mesh, int ascii, host_buffer *buffer)
+/* Vertices as lines of text, behind a word. */
+static void put_vertices(const host_mesh *mesh, const char *word, host_buffer *buffer)
 {
-    for (size_t i = 0; i < mesh->n_triangles; i++) {
-        const uint32_t *const t = mesh->triangles + 3u * i;
-        if (ascii) {
-            host_buffer_print(buffer, "3 %u %u %u\n", t[0], t[1], t[2]);
-        } else {
-            host_buffer_add(buffer, "\003", 1);
-            for (size_t k = 0; k < 3; k++)
-                host_buffer_u32(buffer, t[k]);
-        }
+    for (size_t i = 0; i < mesh->n_vertices; i++)
+        host_buffer_print(buffer, "%s%.9g %.9g %.9g\n", word, (double)mesh->xyz[3u * i], (double)mesh->xyz[3u * i + 1u],
+                          (double)mesh->xyz[3u * i + 2u]);
+}
+
+/* Likewise triangles; first: the number of the first vertex. */
+static void put_triangles(const host_mesh *mesh, const char *word, uint32_t first, host_buffer *buffer)
+{
+    for (size_t i = 0; i < mesh->n_triangles; i++)
+        host_buffer_print(buffer, "%s %u %u %u\n", word, mesh->triangles[3u * i] + first,
+                          mesh->triangles[3u * i + 1u] + first, mesh->triangles[3u * i + 2u] + first);
+}
+
+static void write_ply_faces(const host_mesh *mesh, host_buffer *buffer)
+{
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
+        host_buffer_add(buffer, "\003", i % 3u == 0 ? 1 : 0);
+        host_buffer_u32(buffer, mesh->triangles[i]);
     }
 }
 
@@ -42,19 +52,20 @@ static void write_ply_header(const host_mesh *mesh, int ascii, const char *more,
                       ascii ? "ascii" : "binary_little_endian", mesh->n_vertices, more, mesh->n_triangles);
 }
 
-static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
+static void write_ply_ascii(const host_mesh *mesh, host_buffer *buffer)
 {
-    write_ply_header(mesh, ascii, "", buffer);
+    write_ply_header(mesh, 1, "", buffer);
+    put_vertices(mesh, "", buffer);
+    put_triangles(mesh, "3", 0, buffer);
+}
+
+static void write_ply(const host_mesh *mesh, host_buffer *buffer)
+{
+    write_ply_header(mesh, 0, "", buffer);
     (void)host_buffer_reserve(buffer, 12u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
-    for (size_t i = 0; i < mesh->n_vertices; i++) {
-        const float *const x = mesh->xyz + 3u * i;
-        if (ascii)
-            host_buffer_print(buffer, "%.9g %.9g %.9g\n", (double)x[0], (double)x[1], (double)x[2]);
-        else
-            for (size_t k = 0; k < 3; k++)
-                host_buffer_f32(buffer, x[k]);
-    }
-    write_ply_faces(mesh, ascii, buffer);
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
+        host_buffer_f32(buffer, mesh->xyz[i]);
+    write_ply_faces(mesh, buffer);
 }
 
 static void write_ply_judged(const host_mesh *mesh, const host_vertex_values *values, host_buffer *buffer)
@@ -69,7 +80,7 @@ static void write_ply_judged(const host_mesh *mesh, const host_vertex_values *va
         host_buffer_f32(buffer, values->expected_error[i]);
         host_buffer_f32(buffer, values->local_volume[i]);
     }
-    write_ply_faces(mesh, 0, buffer);
+    write_ply_faces(mesh, buffer);
 }
 
 void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[3], host_buffer *buffer)
@@ -81,7 +92,7 @@ void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[
             host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
         host_buffer_add(buffer, colour, 3);
     }
-    write_ply_faces(mesh, 0, buffer);
+    write_ply_faces(mesh, buffer);
 }
 
 /* The normal is written as zero: readers of the format compute it from the vertices. */
@@ -102,12 +113,8 @@ static void write_stl(const host_mesh *mesh, host_buffer *buffer)
 static void write_obj(const host_mesh *mesh, host_buffer *buffer)
 {
     host_buffer_print(buffer, "# SPACE=LPS, units mm\n");
-    for (size_t i = 0; i < mesh->n_vertices; i++)
-        host_buffer_print(buffer, "v %.9g %.9g %.9g\n", (double)mesh->xyz[3u * i], (double)mesh->xyz[3u * i + 1u],
-                          (double)mesh->xyz[3u * i + 2u]);
-    for (size_t i = 0; i < mesh->n_triangles; i++)
-        host_buffer_print(buffer, "f %u %u %u\n", mesh->triangles[3u * i] + 1u, mesh->triangles[3u * i + 1u] + 1u,
-                          mesh->triangles[3u * i + 2u] + 1u);
+    put_vertices(mesh, "v ", buffer);
+    put_triangles(mesh, "f", 1, buffer);
 }
 
 static void write_vtk_ascii(const host_mesh *mesh, host_buffer *buffer)
@@ -116,14 +123,10 @@ static void write_vtk_ascii(const host_mesh *mesh, host_buffer *buffer)
                       "# vtk DataFile Version 3.0\nsmr SPACE=LPS units mm\nASCII\nDATASET POLYDATA\n"
                       "POINTS %u float\n",
                       mesh->n_vertices);
-    for (size_t i = 0; i < mesh->n_vertices; i++)
-        host_buffer_print(buffer, "%.9g %.9g %.9g\n", (double)mesh->xyz[3u * i], (double)mesh->xyz[3u * i + 1u],
-                          (double)mesh->xyz[3u * i + 2u]);
+    put_vertices(mesh, "", buffer);
     if (mesh->n_triangles > 0)
         host_buffer_print(buffer, "POLYGONS %u %zu\n", mesh->n_triangles, 4u * (size_t)mesh->n_triangles);
-    for (size_t i = 0; i < mesh->n_triangles; i++)
-        host_buffer_print(buffer, "3 %u %u %u\n", mesh->triangles[3u * i], mesh->triangles[3u * i + 1u],
-                          mesh->triangles[3u * i + 2u]);
+    put_triangles(mesh, "3", 0, buffer);
 }
 
 static void put_big(host_buffer *buffer, uint32_t value)
@@ -191,16 +194,23 @@ void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer)
     case HOST_FORMAT_OBJ: write_obj(mesh, buffer); break;
     case HOST_FORMAT_VTK: write_vtk(mesh, buffer); break;
     case HOST_FORMAT_VTK_ASCII: write_vtk_ascii(mesh, buffer); break;
-    default: write_ply(mesh, format == HOST_FORMAT_PLY_ASCII, buffer);
+    case HOST_FORMAT_PLY_ASCII: write_ply_ascii(mesh, buffer); break;
+    default: write_ply(mesh, buffer);
+    }
+}
+
+void host_mesh_negate(host_mesh *mesh, int axis)
+{
+    for (size_t i = (size_t)axis; i < 3u * (size_t)mesh->n_vertices; i += 3u) {
+        mesh->xyz[i] = -mesh->xyz[i];
+        if (mesh->normals != NULL)
+            mesh->normals[i] = -mesh->normals[i];
     }
 }
 
 void host_mesh_mirror(host_mesh *mesh, int axis)
 {
-    for (size_t i = 0; i < mesh->n_vertices; i++)
-        mesh->xyz[3u * i + (size_t)axis] = -mesh->xyz[3u * i + (size_t)axis];
-    for (size_t i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++)
-        mesh->normals[3u * i + (size_t)axis] = -mesh->normals[3u * i + (size_t)axis];
+    host_mesh_negate(mesh, axis);
     for (size_t i = 0; i < mesh->n_triangles; i++) {
         const uint32_t second = mesh->triangles[3u * i + 1u];
         mesh->triangles[3u * i + 1u] = mesh->triangles[3u * i + 2u];
@@ -218,12 +228,7 @@ void host_mesh_free(host_mesh *mesh)
 
 smr_mesh host_mesh_view(const host_mesh *mesh)
 {
-    smr_mesh view;
-    view.xyz = mesh->xyz;
-    view.triangles = mesh->n_triangles > 0 ? mesh->triangles : NULL;
-    view.n_vertices = mesh->n_vertices;
-    view.n_triangles = mesh->n_triangles;
-    return view;
+    return (smr_mesh){mesh->xyz, mesh->n_triangles > 0 ? mesh->triangles : NULL, mesh->n_vertices, mesh->n_triangles};
 }
 
 /* Joins normals, which both must have. Called before the vertices are joined. */

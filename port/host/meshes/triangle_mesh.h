@@ -28,7 +28,10 @@ enum { HOST_MESH_POINTS_TOO = 0, HOST_MESH_SURFACE = 1, HOST_MESH_CLOUD = 2 };
  * reading. Returns 0, or -1 with the error filled and the mesh empty. */
 int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error);
 
-/* Negates one coordinate and reverses every triangle, so that the surface keeps its outside. */
+/* Negates one coordinate of vertices and normals. */
+void host_mesh_negate(host_mesh *mesh, int axis);
+
+/* The same, and reverses every triangle, so that the surface keeps its outside. */
 void host_mesh_mirror(host_mesh *mesh, int axis);
 
 void host_mesh_free(host_mesh *mesh);

@@ -1,11 +1,9 @@
 /* input_check.c: looks at the orientation, size and place of inputs.
  * SPDX-License-Identifier: MIT */
-#include "model/input_check.h"
+#include "model/model_from_files.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define TARGET_RATIO_MAX 100.0
 #define IMAGE_RATIO_MAX 500.0 /* a small bone in an image of the whole head: above 100 */

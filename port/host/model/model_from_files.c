@@ -13,16 +13,13 @@
 #include "base/system.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
-#include "model/input_check.h"
 #include "volumes/voxel_volume.h"
 
 #define MAGIC "SMR1" /* the first bytes of every prepared model */
 
-static int accept_image(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_image(const host_head *head, host_error *error)
 {
-    (void)path;
-    (void)total;
-    if (n < 4 || memcmp(head, MAGIC, 4) != 0)
+    if (head->n < 4 || memcmp(head->data, MAGIC, 4) != 0)
         return host_fail(error, "byte 0", "a model made by smr build");
     return 0;
 }
@@ -124,10 +121,13 @@ static int open_bytes(host_model *model, host_error *error)
     return check_names(model, NULL, error);
 }
 
-int host_model_open_prepared(const char *path, host_model *model, host_error *error)
+int host_model_open_prepared(const char *path, const host_options *options, host_model *model, host_error *error)
 {
     host_bytes bytes;
     memset(model, 0, sizeof *model);
+    if (options->prepare_option != NULL)
+        return host_fail_of(error, options->prepare_option, "option",
+                            "a model of surfaces: a .smr is prepared already");
     if (host_file_read(path, accept_image, &bytes, error) != 0)
         return -1;
     model->prepared = bytes.data;
@@ -231,12 +231,6 @@ int host_model_prepare(host_model *model, const smr_prepare_config *config, host
     return open_bytes(model, error);
 }
 
-static int refuse_prepared(const host_options *options, host_error *error)
-{
-    error->file = options->prepare_option;
-    return host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
-}
-
 /* An image beside the model is legal, but no profile comes of it. */
 static int check_reference(const host_model *model, const char *path, const smr_volume *reference, host_error *error)
 {
@@ -274,16 +268,12 @@ int host_model_load(const host_files *files, const host_options *options, const 
 {
     memset(model, 0, sizeof *model);
     if (files->n == 1 && host_model_is_prepared(files->path[0]))
-        return options->prepare_option != NULL ? refuse_prepared(options, error)
-                                               : host_model_open_prepared(files->path[0], model, error);
+        return host_model_open_prepared(files->path[0], options, model, error);
     host_load *loads = calloc(files->n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
-    for (uint32_t i = 0; i < files->n; i++) {
-        loads[i].path = files->path[i];
-        loads[i].need = HOST_MESH_POINTS_TOO;
-        loads[i].mirror = options->mirror_model;
-    }
+    for (uint32_t i = 0; i < files->n; i++)
+        loads[i] = (host_load){.path = files->path[i], .need = HOST_MESH_POINTS_TOO, .mirror = options->mirror_model};
     int result = host_load_all(port, loads, files->n, error);
     if (result == 0)
         result = host_model_take(loads, files->n, model, error);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "options/options_table.h"
 
 /* A parameter; NULL: it has no such element. */

@@ -73,34 +73,41 @@ static int check_bench_files(const host_options *options, host_error *error)
     return 0;
 }
 
+/* An option that is refused unless what it needs is there. */
+typedef struct rule {
+    const char *option;
+    int fits;
+    const char *expected;
+} rule;
+
+static int check_rules(const host_options *options, const rule *rules, size_t n, host_error *error)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!rules[i].fits && host_option_given(options, rules[i].option))
+            return host_fail_of(error, rules[i].option, "option", "%s", rules[i].expected);
+    return 0;
+}
+
 /* A benchmark of the computed thigh, or of files. */
 static int check_bench(const host_options *options, host_error *error)
 {
     const int files = options->model.n > 0, soak = options->soak != 0, figure2 = options->figure2 != 0;
-    const struct {
-        const char *option;
-        int fits;
-        const char *expected;
-    } rules[] = {{"--seconds", soak, "--soak beside it"},
-                 {"--repeats", figure2, "--figure2 beside it"},
-                 {"--step", figure2, "--figure2 beside it"},
-                 {"--seed", !files, "no --model beside it, it is of the computed thigh"},
-                 {"--small", !files, "no --model beside it, it is of the computed thigh"},
-                 {"--landmarks", files, "--model beside it"},
-                 {"--mirror-model", files, "--model beside it"},
-                 {"--mirror-target", files, "--model beside it"},
-                 {"--align", files, "--model beside it"},
-                 {"--align", options->figure1 != 0, "--figure1 beside it"}};
+    const rule rules[] = {{"--seconds", soak, "--soak beside it"},
+                          {"--repeats", figure2, "--figure2 beside it"},
+                          {"--step", figure2, "--figure2 beside it"},
+                          {"--seed", !files, "no --model beside it, it is of the computed thigh"},
+                          {"--small", !files, "no --model beside it, it is of the computed thigh"},
+                          {"--landmarks", files, "--model beside it"},
+                          {"--mirror-model", files, "--model beside it"},
+                          {"--mirror-target", files, "--model beside it"},
+                          {"--align", files, "--model beside it"},
+                          {"--align", options->figure1 != 0, "--figure1 beside it"}};
     if (options->figure1 + options->figure2 + options->soak != 1u)
         return host_fail(error, "bench", "one of --figure1, --figure2 and --soak");
     if (options->out == NULL)
         return host_fail(error, "-o", "the directory for the results");
-    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
-        error->file = rules[i].option;
-        if (!rules[i].fits && host_option_given(options, rules[i].option))
-            return host_fail(error, "option", "%s", rules[i].expected);
-    }
-    return check_bench_files(options, error);
+    return check_rules(options, rules, sizeof rules / sizeof rules[0], error) != 0 ? -1
+                                                                                   : check_bench_files(options, error);
 }
 
 /* What a command cannot do without: a text, or files, one at least unless `exactly` says how many. In this order. */
@@ -161,9 +168,9 @@ static int check_landmark_goals(host_options *options, host_error *error)
 {
     const char *const text = options->landmark_weight;
     double weight = 1.0;
-    error->file = "--landmark-goals";
     if (options->landmark_goals.n != 0 && options->landmark_goals.n != 2)
-        return host_fail(error, "files", "two of them, the model's landmarks and where they are now");
+        return host_fail_of(error, "--landmark-goals", "files",
+                            "two of them, the model's landmarks and where they are now");
     error->file = "--landmark-weight";
     if (text != NULL && options->landmark_goals.n == 0)
         return host_fail(error, "option", "--landmark-goals beside it");
@@ -183,15 +190,6 @@ static int check_landmark_goals(host_options *options, host_error *error)
     return 0;
 }
 
-/* A log tells of one run from its start. */
-static int check_save(const host_options *options, host_error *error)
-{
-    error->file = "--log";
-    if (options->log != NULL && (options->save != NULL || options->resume != NULL))
-        return host_fail(error, "option", "neither --save nor --resume beside it, a log is of a whole run");
-    return 0;
-}
-
 /* Nothing is packed but label maps, and a plain file with a packed one's name cannot be read back. Points, fields,
  * volumes, label maps and scenes go by their extensions, which are checked where they are written. */
 static int check_packed(const host_options *options, host_error *error)
@@ -199,69 +197,53 @@ static int check_packed(const host_options *options, host_error *error)
     const int is_file = (options->command & (HOST_BUILD | HOST_SUMMARY)) != 0;
     const char *const path[] = {is_file ? options->out : NULL, options->overview, options->log, options->trace,
                                 options->save};
-    for (size_t i = 0; i < sizeof path / sizeof path[0]; i++) {
-        error->file = path[i];
+    for (size_t i = 0; i < sizeof path / sizeof path[0]; i++)
         if (path[i] != NULL && host_is_packed_name(path[i]))
-            return host_fail(error, "name", "one without .gz, for what is written there is not packed");
-    }
+            return host_fail_of(error, path[i], "name", "one without .gz, for what is written there is not packed");
     return 0;
 }
 
-/* A distance is kept where something is kept apart. */
-static int check_contact(const host_options *options, host_error *error)
+/* What the results are written as, a log of one run from its start, a distance where something is kept apart. */
+static int check_outputs(const host_options *options, host_error *error)
 {
-    error->file = "--contact-mm";
-    if (host_option_given(options, "--contact-mm") && !host_option_given(options, "--contact") &&
-        options->contact_with.n == 0)
-        return host_fail(error, "option", "--contact or --contact-with beside it");
-    return 0;
-}
-
-/* What the results are written as. */
-static int check_format(const host_options *options, host_error *error)
-{
-    error->file = options->slicer;
+    const rule rules[] = {
+        {"--log", options->save == NULL && options->resume == NULL,
+         "neither --save nor --resume beside it, a log is of a whole run"},
+        {"--vertex-errors", options->format == HOST_FORMAT_PLY || options->format == HOST_FORMAT_VTK,
+         "--format ply or vtk, which have room for them"},
+        {"--contact-mm", options->contact || options->contact_with.n > 0, "--contact or --contact-with beside it"}};
     if (options->slicer != NULL &&
         (!host_has_extension(options->slicer, ".mrml") || host_is_packed_name(options->slicer)))
-        return host_fail(error, "name", "a scene that ends in .mrml");
-    error->file = "--vertex-errors";
-    if (options->vertex_errors && options->format != HOST_FORMAT_PLY && options->format != HOST_FORMAT_VTK)
-        return host_fail(error, "option", "--format ply or vtk, which have room for them");
-    return 0;
+        return host_fail_of(error, options->slicer, "name", "a scene that ends in .mrml");
+    return check_rules(options, rules, sizeof rules / sizeof rules[0], error);
 }
 
 /* The options of the start: landmarks, a pose, both. */
 static int check_start(const host_options *options, host_error *error)
 {
     const int landmarks = host_option_given(options, "--landmarks");
-    if (options->image_target && options->align != HOST_ALIGN_NONE && !landmarks && options->landmark_goals.n == 0) {
-        error->file = "--align";
-        return host_fail(error, "option", "--landmarks beside it or surfaces as the target, it is a volume");
-    }
-    error->file = "--smoothing";
-    if (host_option_given(options, "--smoothing") && (!landmarks || options->align != HOST_ALIGN_NONE))
-        return host_fail(error, "option", "--landmarks and no --align beside it, it smooths their spline");
-    return 0;
+    const rule rules[] = {
+        {"--align",
+         !options->image_target || options->align == HOST_ALIGN_NONE || landmarks || options->landmark_goals.n > 0,
+         "--landmarks beside it or surfaces as the target, it is a volume"},
+        {"--smoothing", landmarks && options->align == HOST_ALIGN_NONE,
+         "--landmarks and no --align beside it, it smooths their spline"}};
+    return check_rules(options, rules, sizeof rules / sizeof rules[0], error);
 }
 
 /* The options that do not go with this kind of target, and those that exclude each other. */
 static int check_targets(host_options *options, host_error *error)
 {
     const int unfit = options->image_target ? HOST_FOR_SURFACES : HOST_FOR_IMAGES;
-    for (size_t i = 0; i < host_option_count; i++) {
-        error->file = host_option_table[i].name;
+    for (size_t i = 0; i < host_option_count; i++)
         if (host_option_was_given(options, i) && host_option_table[i].targets == unfit)
-            return host_fail(error, "option",
-                             options->image_target ? "surfaces as the target, it is a volume"
-                                                   : "a volume as the target, it is a surface");
-    }
-    if (options->image_target && options->command != HOST_TRACK && options->target.n != 1) {
-        error->file = "--target";
-        return host_fail(error, "files", "one volume alone, or surfaces");
-    }
-    error->file = "--landmarks";
+            return host_fail_of(error, host_option_table[i].name, "option",
+                                options->image_target ? "surfaces as the target, it is a volume"
+                                                      : "a volume as the target, it is a surface");
+    if (options->image_target && options->command != HOST_TRACK && options->target.n != 1)
+        return host_fail_of(error, "--target", "files", "one volume alone, or surfaces");
     if (host_option_given(options, "--landmarks") && options->landmarks.n != 2)
-        return host_fail(error, "files", "two of them, the model's landmarks and the target's");
+        return host_fail_of(error, "--landmarks", "files", "two of them, the model's landmarks and the target's");
     return check_start(options, error) != 0 ? -1 : check_landmark_goals(options, error);
 }
 
@@ -310,13 +292,12 @@ static int check_search(const host_options *options, host_error *error)
 /* Profiles come from a reference image. */
 static int check_profiles(const host_options *options, host_error *error)
 {
-    static const char *const names[] = {"--profile-samples", "--profile-step", "--profile-inward"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        error->file = names[i];
-        if (host_option_given(options, names[i]) && options->reference == NULL && options->command == HOST_BUILD)
-            return host_fail(error, "option", "--reference beside it, the image that profiles are taken from");
-    }
-    return 0;
+    static const char expected[] = "--reference beside it, the image that profiles are taken from";
+    const int fits = options->reference != NULL || options->command != HOST_BUILD;
+    const rule rules[] = {{"--profile-samples", fits, expected},
+                          {"--profile-step", fits, expected},
+                          {"--profile-inward", fits, expected}};
+    return check_rules(options, rules, sizeof rules / sizeof rules[0], error);
 }
 
 /* What depends on the kind of target, after all options are read. */
@@ -326,10 +307,8 @@ static int settle_targets(host_options *options, host_error *error)
         options->image_target |= host_is_volume_path(options->target.path[i]);
     if (options->command == HOST_TRACK) /* all frames are of the first one's kind */
         options->image_target |= host_is_volume_path(options->frames.path[0]);
-    if (options->command == HOST_BENCH && options->target.n > 0 && options->image_target == (int)options->figure1) {
-        error->file = "--target";
-        return host_fail(error, "files", options->figure1 ? "surfaces" : "one volume");
-    }
+    if (options->command == HOST_BENCH && options->target.n > 0 && options->image_target == (int)options->figure1)
+        return host_fail_of(error, "--target", "files", options->figure1 ? "surfaces" : "one volume");
     options->image_target |= options->command == HOST_BENCH && !options->figure1;
     if (((options->command & (HOST_REGISTER | HOST_TRACK)) != 0 || options->target.n > 0) &&
         check_targets(options, error) != 0)
@@ -347,8 +326,7 @@ int host_options_check(host_options *options, host_error *error)
 {
     if (host_volume_ratios_check(&options->volume_ratio, error) != 0)
         return -1;
-    if (check_needs(options, error) != 0 || check_save(options, error) != 0 || check_packed(options, error) != 0 ||
-        check_format(options, error) != 0 || check_contact(options, error) != 0)
+    if (check_needs(options, error) != 0 || check_packed(options, error) != 0 || check_outputs(options, error) != 0)
         return -1;
     return settle_targets(options, error);
 }

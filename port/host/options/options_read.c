@@ -3,19 +3,16 @@
 #include "options/options.h"
 
 #include <float.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text_scan.h"
 #include "options/options_table.h"
 
-static host_word word_of(const char *text)
-{
-    host_word word;
-    word.start = text;
-    word.n = strlen(text);
-    return word;
-}
+#define OF(field) offsetof(host_options, field)
+
+static host_word word_of(const char *text) { return (host_word){text, strlen(text)}; }
 
 static int refuse_number(const host_option *o, host_word value, host_error *error)
 {
@@ -42,26 +39,34 @@ static int read_number(const host_option *o, host_word word, double *value, host
     return good ? 0 : refuse_number(o, word, error);
 }
 
+/* Reads the number before the next comma; *text: what follows it, NULL at the end. */
+static int next_number(const host_option *o, const char **text, host_word *word, double *value, host_error *error)
+{
+    const char *const comma = strchr(*text, ',');
+    *word = word_of(*text);
+    if (comma != NULL)
+        word->n = (size_t)(comma - *text);
+    *text = comma != NULL ? comma + 1 : NULL;
+    return read_number(o, *word, value, error);
+}
+
 /* "80,30,10": from coarse to fine. */
 static int read_radii(const host_option *o, const char *text, smr_prepare_config *prepare, host_error *error)
 {
     uint32_t n = 0;
     while (text != NULL) {
-        const char *const comma = strchr(text, ',');
-        host_word word = word_of(text);
+        const char *const rest = text;
+        host_word word;
         double value = 0.0;
-        if (comma != NULL)
-            word.n = (size_t)(comma - text);
         if (n == SMR_RADII_MAX)
-            return host_fail(error, text, "at most %u radii", SMR_RADII_MAX);
-        if (read_number(o, word, &value, error) != 0)
+            return host_fail(error, rest, "at most %u radii", SMR_RADII_MAX);
+        if (next_number(o, &text, &word, &value, error) != 0)
             return -1;
         if (n > 0 && (float)value >= prepare->radius_mm[n - 1u])
-            return host_fail(error, text, "radii that fall, from coarse to fine");
+            return host_fail(error, rest, "radii that fall, from coarse to fine");
         if (!((float)value > 0.0f))
             return refuse_number(o, word, error);
         prepare->radius_mm[n++] = (float)value;
-        text = comma != NULL ? comma + 1 : NULL;
     }
     prepare->n_radii = n;
     return 0;
@@ -70,17 +75,12 @@ static int read_radii(const host_option *o, const char *text, smr_prepare_config
 /* "5" or "5,0": from the start of the schedule to its end. */
 static int read_span(const host_option *o, const char *text, host_span *span, host_error *error)
 {
-    const char *const comma = strchr(text, ',');
-    host_word word = word_of(text);
+    host_word word;
     double from = 0.0, to = 0.0;
-    if (comma != NULL)
-        word.n = (size_t)(comma - text);
-    if (read_number(o, word, &from, error) != 0 ||
-        (comma != NULL && read_number(o, word_of(comma + 1), &to, error) != 0))
+    if (next_number(o, &text, &word, &from, error) != 0 ||
+        (text != NULL && read_number(o, word_of(text), &to, error) != 0))
         return -1;
-    span->from = (float)from;
-    span->to = (float)to;
-    span->n = comma != NULL ? 2 : 1;
+    *span = (host_span){(float)from, (float)to, text != NULL ? 2 : 1};
     return 0;
 }
 
@@ -192,6 +192,16 @@ static uint32_t operands_most(int command, int argc)
     return command == HOST_SUMMARY ? (uint32_t)argc : SMR_STRUCTURES_MAX;
 }
 
+static const size_t lists[] = {OF(model),  OF(target),       OF(operands),       OF(landmarks),
+                               OF(frames), OF(volume_ratio), OF(landmark_goals), OF(contact_with)};
+
+#define N_LISTS (sizeof lists / sizeof lists[0])
+
+static host_files *list_at(host_options *options, size_t i)
+{
+    return (host_files *)(void *)((unsigned char *)options + lists[i]);
+}
+
 static int set_defaults(int command, int argc, int paper, host_options *options)
 {
     memset(options, 0, sizeof *options);
@@ -206,21 +216,15 @@ static int set_defaults(int command, int argc, int paper, host_options *options)
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = paper ? smr_prepare_config_paper() : smr_prepare_config_default();
     options->config = paper ? smr_config_paper() : smr_config_default();
-    options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->operands.path = calloc(operands_most(command, argc), sizeof(char *));
-    options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->volume_ratio.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->contact_with.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->goal_weight = 1.0f;
-    return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
-                   options->landmarks.path == NULL || options->landmark_goals.path == NULL ||
-                   options->frames.path == NULL || options->volume_ratio.path == NULL ||
-                   options->contact_with.path == NULL
-               ? -1
-               : 0;
+    for (size_t i = 0; i < N_LISTS; i++) {
+        host_files *const files = list_at(options, i);
+        files->path = calloc(files == &options->operands ? operands_most(command, argc) : SMR_STRUCTURES_MAX,
+                             sizeof *files->path);
+        if (files->path == NULL)
+            return -1;
+    }
+    return 0;
 }
 
 int host_options_read(int command, int argc, char **argv, host_options *options, host_error *error)
@@ -254,13 +258,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
 
 void host_options_free(host_options *options)
 {
-    free(options->model.path);
-    free(options->target.path);
-    free(options->operands.path);
-    free(options->landmarks.path);
-    free(options->frames.path);
-    free(options->volume_ratio.path);
-    free(options->landmark_goals.path);
-    free(options->contact_with.path);
+    for (size_t i = 0; i < N_LISTS; i++)
+        free(list_at(options, i)->path);
     memset(options, 0, sizeof *options);
 }

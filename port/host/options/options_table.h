@@ -80,8 +80,8 @@ typedef struct host_command_text {
     const char *name;
     int command;              /* HOST_REGISTER, ... */
     const char *purpose;      /* a few words, in lower case */
-    const char *synopsis[4];  /* what follows the name, a way to call it each; NULL behind the last */
-    const char *paragraph[6]; /* NULL behind the last */
+    const char *synopsis[4];  /* what follows the name, a way to call it each; at most three */
+    const char *paragraph[6]; /* at most five */
     const char *status;       /* exit status other than 0 and 2; "" for none */
 } host_command_text;
 

@@ -6,7 +6,7 @@
 
 #include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
-#include "model/input_check.h"
+#include "model/model_from_files.h"
 #include "register/register_job.h"
 
 #define MOST_MM 2.0f /* deeper is more than what folds and large triangles keep back */
@@ -25,9 +25,8 @@ int host_job_load_fixed(host_job *job, host_error *error)
     if (loads == NULL || c->fixed == NULL)
         result = host_fail(error, "start", "free memory");
     for (uint32_t i = 0; result == 0 && i < files->n; i++) {
-        loads[i].path = files->path[i];
-        loads[i].need = HOST_MESH_SURFACE;
-        loads[i].mirror = job->options->mirror_target;
+        loads[i] =
+            (host_load){.path = files->path[i], .need = HOST_MESH_SURFACE, .mirror = job->options->mirror_target};
     }
     if (result == 0 && files->n > 0)
         result = host_load_all(&job->port.port, loads, files->n, error);

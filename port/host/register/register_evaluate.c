@@ -155,15 +155,12 @@ static int measure_distances(host_job *job, room *r)
 static int find_distances(host_job *job)
 {
     const size_t most = (size_t)job->n_targets + job->model.n_parts;
-    size_t n = 1;
     room r;
     int result = -1;
-    for (uint32_t i = 0; i < job->model.n_parts; i++)
-        n += job->result[i].mesh.n_vertices;
     r.pairs = calloc(job->n_targets, sizeof *r.pairs);
     r.query = calloc(most, sizeof *r.query);
     r.list = calloc(most + job->model.n_parts + 3u, sizeof *r.list);
-    r.flags = calloc(n, 1);
+    r.flags = calloc((size_t)job->model.info.n_vertices + 1u, 1);
     r.seen = calloc(most, sizeof *r.seen);
     if (r.pairs != NULL && r.query != NULL && r.list != NULL && r.flags != NULL && r.seen != NULL)
         result = measure_distances(job, &r);

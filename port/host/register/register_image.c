@@ -9,7 +9,7 @@
 #include "files/file_read.h"
 #include "labels/label_map.h"
 #include "labels/label_surfaces.h"
-#include "labels/surface_fill.h"
+#include "labels/surface_set.h"
 #include "landmarks/landmarks.h"
 #include "register/register_job.h"
 
@@ -83,12 +83,8 @@ static uint64_t count_both(const host_label_map *map, uint32_t label, const host
     const uint16_t *const index = map->index + map->label[label].layer * host_label_voxels(map);
     const size_t n = (size_t)filled->size[0] * filled->size[1] * filled->size[2];
     uint64_t both = 0;
-    for (size_t i = 0; i < n; i++) {
-        const size_t x = i % filled->size[0] + filled->low[0],
-                     y = i / filled->size[0] % filled->size[1] + filled->low[1],
-                     z = i / filled->size[0] / filled->size[1] + filled->low[2];
-        both += filled->inside[i] && index[x + map->grid.size[0] * (y + map->grid.size[1] * z)] == label + 1u;
-    }
+    for (size_t i = 0; i < n; i++)
+        both += filled->inside[i] && index[host_filled_voxel(filled, i, &map->grid)] == label + 1u;
     return both;
 }
 
@@ -142,10 +138,9 @@ static void read_volume(void *arg, uint32_t task, uint32_t worker)
 int host_job_load_images(host_job *job, host_error *error)
 {
     volumes v = {0};
-    if (job->model_is_prepared && job->model.info.profile_samples == 0) {
-        error->file = job->options->model.path[0];
-        return host_fail(error, "profiles", "a model built with --reference, for the target is a volume");
-    }
+    if (job->model_is_prepared && job->model.info.profile_samples == 0)
+        return host_fail_of(error, job->options->model.path[0], "profiles",
+                            "a model built with --reference, for the target is a volume");
     v.job = job;
     host_parallel(&job->port.port, read_volume, &v, 2);
     if (!v.failed[0] && !v.failed[1])
@@ -191,9 +186,10 @@ static int load_truth_files(host_job *job, host_error *error)
     job->truth_first = host_file_count();
     int result = name_truth(job, error);
     for (uint32_t i = 0; result == 0 && i < n; i++) {
-        loads[i].path = job->target[i].path;
-        loads[i].need = job->model.part[i].mesh.n_triangles > 0 ? HOST_MESH_SURFACE : HOST_MESH_POINTS_TOO;
-        loads[i].mirror = job->options->mirror_target;
+        loads[i] =
+            (host_load){.path = job->target[i].path,
+                        .need = job->model.part[i].mesh.n_triangles > 0 ? HOST_MESH_SURFACE : HOST_MESH_POINTS_TOO,
+                        .mirror = job->options->mirror_target};
     }
     if (result == 0)
         result = host_load_all(&job->port.port, loads, n, error);
@@ -250,14 +246,11 @@ static void doubt_pairs(host_job *job, const host_landmarks *set, const float *f
  * the surfaces it was built from give the same bits. */
 int host_job_warp(host_job *job, host_error *error)
 {
-    size_t n = 0;
     float *xyz = NULL;
     if (job->warp == NULL)
         return 0;
     error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0] : "landmarks";
-    for (uint32_t i = 0; i < job->model.n_parts; i++)
-        n += job->model.part[i].mesh.n_vertices;
-    job->start_xyz = xyz = malloc(n * 3u * sizeof *xyz);
+    job->start_xyz = xyz = malloc(3u * sizeof *xyz * job->model.info.n_vertices);
     if (xyz == NULL)
         return host_fail(error, "start", "free memory");
     for (uint32_t i = 0; i < job->model.n_parts; i++) {

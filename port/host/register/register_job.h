@@ -252,28 +252,31 @@ int host_job_place_by_goals(host_job *job, host_error *error); /* the pose, fitt
 int host_job_warp(host_job *job, host_error *error);           /* start positions; needs the prepared model */
 int host_job_make_surfaces(host_job *job, host_error *error);
 
-/* register_log.c: starts recording, right after host_job_begin; writes the content of the log file. */
+/* Sets every structure's start positions from the landmarks. */
+smr_status host_job_put_start(const host_job *job);
+
+/* Starts recording, right after host_job_begin; writes the content of the log file. */
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 
-/* register_carry.c: writes the content of carry.bin, of the model as it is now. The buffer stores failure. */
+/* Writes the content of carry.bin, of the model as it is now. The buffer stores failure. */
 void host_job_carry(const host_job *job, host_buffer *out);
 
-/* register_surfaces.c: refuses a format that cannot hold all structures, once they are loaded; writes a structure's
+/* Refuses a format that cannot hold all structures, once they are loaded; writes a structure's
  * surface file into the buffer, which stores failure. */
 int host_job_check_format(const host_job *job, host_error *error);
 void host_job_surface(const host_job *job, uint32_t part, host_buffer *buffer);
 
-/* register_trace.c: starts the trace with the row of the start; adds the row of a complete iteration. */
+/* Starts the trace with the row of the start; adds the row of a complete iteration. */
 int host_job_trace_begin(host_job *job, host_error *error);
 int host_job_trace_row(host_job *job, host_error *error);
 
-/* register_course.c: keeps the start positions; a complete iteration. Both do nothing without --html. */
+/* Keeps the start positions; a complete iteration. Both do nothing without --html. */
 int host_job_course_begin(host_job *job, host_error *error);
 int host_job_course_step(host_job *job, host_error *error);
 void host_course_free(host_course *course);
 
-/* register_save.c: restores a saved registration into the arena; says whether all its targets are there again, status
+/* Restores a saved registration into the arena; says whether all its targets are there again, status
  * being what setting them came to; writes it as bytes. */
 int host_job_resume(host_job *job, const smr_config *config, host_error *error);
 int host_job_resumed(host_job *job, smr_status status, host_error *error);

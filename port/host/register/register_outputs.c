@@ -20,11 +20,7 @@ static int fill(const host_job *job, host_carry_shape *shape)
     shape->n_vertices = job->model.info.n_vertices;
     shape->n_structures = job->model.n_parts;
     shape->mirror = job->options->mirror_model;
-    shape->name = calloc(shape->n_structures, sizeof *shape->name);
-    shape->count = calloc(shape->n_structures, sizeof *shape->count);
-    shape->rest = malloc(3u * sizeof(float) * shape->n_vertices);
-    shape->now = malloc(3u * sizeof(float) * shape->n_vertices);
-    if (shape->name == NULL || shape->count == NULL || shape->rest == NULL || shape->now == NULL)
+    if (host_carry_allocate(shape) != 0)
         return -1;
     for (uint32_t i = 0; i < job->model.n_parts; at += 3u * (size_t)shape->count[i], i++) {
         (void)snprintf(shape->name[i], SMR_NAME_BYTES, "%s", job->model.part[i].name);
@@ -102,13 +98,11 @@ int host_job_log(const host_job *job, host_buffer *out, host_error *error)
     return result;
 }
 
-static int is_save(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int is_save(const host_head *head, host_error *error)
 {
-    (void)path;
-    (void)total;
-    if (n >= 4u && head[0] == 'S' && head[1] == 'M' && head[2] == 'R' && head[3] == 'S')
-        return 0;
-    return host_fail(error, "header", "a file that register --save wrote");
+    return head->n >= 4u && memcmp(head->data, "SMRS", 4) == 0
+               ? 0
+               : host_fail(error, "header", "a file that register --save wrote");
 }
 
 static int refuse(host_error *error, smr_status status)
@@ -156,11 +150,9 @@ int host_job_save(const host_job *job, host_buffer *out, host_error *error)
 int host_job_check_format(const host_job *job, host_error *error)
 {
     for (uint32_t i = 0; i < job->model.n_parts && job->options->format == HOST_FORMAT_STL; i++)
-        if (job->model.part[i].mesh.n_triangles == 0) {
-            error->file = "--format";
-            return host_fail(error, "stl", "triangles in each structure, %.100s has points only",
-                             job->model.part[i].name);
-        }
+        if (job->model.part[i].mesh.n_triangles == 0)
+            return host_fail_of(error, "--format", "stl", "triangles in each structure, %.100s has points only",
+                                job->model.part[i].name);
     return 0;
 }
 
@@ -326,10 +318,7 @@ int host_job_trace_row(host_job *job, host_error *error)
 
 int host_job_trace_begin(host_job *job, host_error *error)
 {
-    size_t n = 0;
-    for (uint32_t i = 0; i < job->model.n_parts; i++)
-        n += job->model.part[i].mesh.n_vertices;
-    job->trace_xyz = calloc(3u * n + 1u, sizeof *job->trace_xyz);
+    job->trace_xyz = calloc(3u * (size_t)job->model.info.n_vertices + 1u, sizeof *job->trace_xyz);
     if (job->trace_xyz == NULL)
         return host_fail(error, "trace", "free memory");
     host_buffer_print(&job->trace,

@@ -43,12 +43,11 @@ static int host_volume_ratios_set(const host_job *job, host_error *error)
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
-    error->file = "register";
-    return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
+    return host_fail_of(error, "register", place, "input and options within the library's limits (%s)",
+                        smr_status_name(status));
 }
 
-/* Sets every structure's start positions from the landmarks. */
-static smr_status put_start(const host_job *job)
+smr_status host_job_put_start(const host_job *job)
 {
     const float *xyz = job->start_xyz;
     smr_status status = SMR_OK;
@@ -118,7 +117,7 @@ static int set_up(host_job *job, host_error *error)
     if (job->options->align != HOST_ALIGN_NONE)
         status = smr_set_pose(job->state, &job->pose);
     if (status == SMR_OK && job->start_xyz != NULL)
-        status = put_start(job);
+        status = host_job_put_start(job);
     return status == SMR_OK ? set_targets(job, error) : refuse(error, "set up", status);
 }
 

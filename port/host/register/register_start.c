@@ -6,7 +6,7 @@
 
 #include "base/system.h"
 #include "files/file_names.h"
-#include "model/input_check.h"
+#include "model/model_from_files.h"
 #include "register/register_job.h"
 
 static uint32_t n_surfaces(const host_options *options) { return options->image_target ? 0 : options->target.n; }
@@ -46,9 +46,10 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
         return host_fail(error, "start", "free memory");
     for (uint32_t i = 0; i < n; i++) {
         const int of_model = i < models->n;
-        loads[i].path = of_model ? models->path[i] : options->target.path[i - models->n];
-        loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_CLOUD; /* the model's points are carried */
-        loads[i].mirror = of_model ? options->mirror_model : options->mirror_target;
+        loads[i] = (host_load){.path = of_model ? models->path[i] : options->target.path[i - models->n],
+                               .need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_CLOUD,
+                               .mirror = of_model ? options->mirror_model
+                                                  : options->mirror_target}; /* the model's points are carried */
     }
     int result = host_load_all(&job->port.port, loads, n, error);
     if (result == 0 && models->n > 0)
@@ -77,11 +78,8 @@ int host_job_load(host_job *job, host_error *error)
     } else if (options->model.n > 1) {
         error->file = "--model";
         result = host_fail(error, "files", "surfaces, or one .smr alone");
-    } else if (options->prepare_option != NULL) {
-        error->file = options->prepare_option;
-        result = host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
     } else {
-        result = host_model_open_prepared(options->model.path[0], &job->model, error);
+        result = host_model_open_prepared(options->model.path[0], options, &job->model, error);
         if (result == 0)
             result = load_surfaces(job, &none, error);
     }
@@ -116,13 +114,6 @@ int host_job_check(host_job *job, host_error *error)
     return host_check_target_size(&job->model, &box, error);
 }
 
-static void give(host_job *job, uint32_t part, uint32_t target)
-{
-    job->result[part].target = target;
-    job->target[target].users++;
-    job->target[target].user = part;
-}
-
 int host_job_match(host_job *job, host_error *error)
 {
     uint32_t matched = 0;
@@ -140,8 +131,11 @@ int host_job_match(host_job *job, host_error *error)
         if (job->model.part[i].mesh.n_triangles == 0)
             continue;
         for (uint32_t k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
-            if (job->n_targets == 1 || strcmp(job->target[k].name, job->model.part[i].name) == 0)
-                give(job, i, k);
+            if (job->n_targets == 1 || strcmp(job->target[k].name, job->model.part[i].name) == 0) {
+                job->result[i].target = k;
+                job->target[k].users++;
+                job->target[k].user = i;
+            }
         matched += job->result[i].target != HOST_NO_TARGET;
     }
     return matched > 0 ? 0 : host_fail(error, "names", "several targets to be named like the model's structures");
@@ -219,20 +213,13 @@ int host_job_make_surfaces(host_job *job, host_error *error)
     for (uint32_t i = 0; i < job->n_targets; i++)
         build_target(job->target, i, 0);
     for (uint32_t i = 0; i < job->n_targets; i++)
-        if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL) {
-            error->file = job->target[i].path;
-            return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
-        }
+        if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL)
+            return host_fail_of(error, job->target[i].path, "surface",
+                                "a surface within the library's limits and free memory for it");
     return 0;
 }
 
-static double scale_of(const smr_pose *pose)
-{
-    double sum = 0.0;
-    for (int r = 0; r < 3; r++)
-        sum += (double)pose->m[r][0] * (double)pose->m[r][0];
-    return sqrt(sum);
-}
+static double squared(float x) { return (double)x * (double)x; }
 
 int host_job_start(host_job *job, host_error *error)
 {
@@ -247,7 +234,7 @@ int host_job_start(host_job *job, host_error *error)
     else if (result == 0 && job->options->align != HOST_ALIGN_NONE)
         result = align(job, error);
     if (result == 0 && job->options->align == HOST_ALIGN_SIMILARITY)
-        job->start_scale = scale_of(&job->pose);
+        job->start_scale = sqrt(squared(job->pose.m[0][0]) + squared(job->pose.m[1][0]) + squared(job->pose.m[2][0]));
     job->start_s = host_seconds() - start;
     return result;
 }

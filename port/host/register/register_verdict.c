@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "model/input_check.h"
+#include "model/model_from_files.h"
 #include "register/register_job.h"
 
 #define SCALE_MOST 2.0     /* people's bones differ less in size, either way */
@@ -181,7 +181,6 @@ static void judge_contradiction(host_job *job, host_verdict *verdict)
  * judge_lost say more of that. */
 static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
 {
-    static const int levels[] = {HOST_VERDICT_GOOD, HOST_VERDICT_LOOK, HOST_VERDICT_FAILED};
     verdict->expected_error_mm = (double)NAN;
     if (smr_get_verdict(s, structure, measures) != SMR_OK) /* --ticks ended within an iteration */
         return;
@@ -189,16 +188,13 @@ static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, ho
         verdict->expected_error_mm = (double)measures->expected_error_mm;
     for (uint32_t bit = SMR_REASON_NOTHING_VISIBLE << 1; bit <= measures->reasons; bit <<= 1)
         if ((measures->reasons & bit) != 0)
-            host_verdict_add(verdict, levels[measures->level], "%s", smr_reason_text(bit));
+            host_verdict_add(verdict, (int)measures->level, "%s", smr_reason_text(bit));
 }
 
 /* Least and most of each structure. Where the start was kept they are of what was rejected: not known. */
 static void find_local_volumes(host_job *job)
 {
-    size_t n = 0;
-    for (uint32_t i = 0; i < job->model.n_parts; i++)
-        n += job->result[i].mesh.n_vertices;
-    float *all = malloc((n + 1u) * sizeof *all);
+    float *const all = malloc(((size_t)job->model.info.n_vertices + 1u) * sizeof *all);
     const float *ratio = all;
     const int known = !job->kept_start && all != NULL && smr_get_local_volume(job->state, SMR_ALL, 0, all) == SMR_OK;
     for (uint32_t i = 0; i < job->model.n_parts; i++) {

@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 
 static void put_text(host_json *json, const char *text)
 {
@@ -54,6 +54,15 @@ void host_json_open(host_json *json, const char *key, char bracket)
     host_buffer_add(json->out, &bracket, 1);
     json->depth++;
     json->fresh = 1;
+}
+
+int host_json_object(host_json *json, const char *key, int known)
+{
+    if (known)
+        host_json_open(json, key, '{');
+    else
+        host_json_null(json, key);
+    return known;
 }
 
 void host_json_close(host_json *json, char bracket)
@@ -117,11 +126,8 @@ void host_json_null(host_json *json, const char *key)
 
 void host_json_stats(host_json *json, const char *key, const host_stats *stats)
 {
-    if (stats->n == 0) {
-        host_json_null(json, key);
+    if (!host_json_object(json, key, stats->n > 0))
         return;
-    }
-    host_json_open(json, key, '{');
     host_json_number(json, "mean", stats->mean);
     host_json_number(json, "rms", stats->rms);
     host_json_number(json, "p95", stats->p95);

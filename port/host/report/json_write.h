@@ -15,6 +15,8 @@ typedef struct host_json {
 
 /* key: NULL inside a list. */
 void host_json_open(host_json *json, const char *key, char bracket);
+/* Opens an object, or writes null where nothing is known. Returns known. */
+int host_json_object(host_json *json, const char *key, int known);
 void host_json_close(host_json *json, char bracket);
 void host_json_text(host_json *json, const char *key, const char *value);
 void host_json_count(host_json *json, const char *key, uint64_t value);

@@ -104,11 +104,8 @@ static void put_times(const host_job *job, host_json *json)
 /* Writes the distances in both directions, null when they were not measured. */
 static void put_distances(host_json *json, const char *key, int compared, const host_two_way *distances)
 {
-    if (!compared) {
-        host_json_null(json, key);
+    if (!host_json_object(json, key, compared))
         return;
-    }
-    host_json_open(json, key, '{');
     host_json_stats(json, "model_to_target", &distances->to_target);
     host_json_stats(json, "target_to_model", &distances->to_result);
     host_json_close(json, '}');
@@ -117,11 +114,8 @@ static void put_distances(host_json *json, const char *key, int compared, const 
 /* Writes the distances of what of the model the target shows, and the share of its area that is left out. */
 static void put_overlap(host_json *json, int compared, const host_stats *all, const host_stats *overlap)
 {
-    if (!compared || all->n == 0) {
-        host_json_null(json, "overlap_distance_mm");
+    if (!host_json_object(json, "overlap_distance_mm", compared && all->n > 0))
         return;
-    }
-    host_json_open(json, "overlap_distance_mm", '{');
     host_json_stats(json, "model_to_target", overlap);
     host_json_number(json, "surplus", all->weight > 0.0 ? fmax(0.0, 1.0 - overlap->weight / all->weight) : 0.0);
     host_json_close(json, '}');
@@ -129,11 +123,8 @@ static void put_overlap(host_json *json, int compared, const host_stats *all, co
 
 static void put_by_vertex(host_json *json, const host_stats *stats)
 {
-    if (stats->n == 0) {
-        host_json_null(json, "vertex_to_vertex_mm");
+    if (!host_json_object(json, "vertex_to_vertex_mm", stats->n > 0))
         return;
-    }
-    host_json_open(json, "vertex_to_vertex_mm", '{');
     host_json_number(json, "mean", stats->mean);
     host_json_number(json, "max", stats->max);
     host_json_close(json, '}');
@@ -259,11 +250,8 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
 /* What aligning the surfaces said: "start". */
 static void put_align(const smr_align_report *said, host_json *json)
 {
-    if (said->n_alike == 0) {
-        host_json_null(json, "start");
+    if (!host_json_object(json, "start", said->n_alike > 0))
         return;
-    }
-    host_json_open(json, "start", '{');
     host_json_flag(json, "given", said->given != 0);
     host_json_number(json, "rms_mm", (double)said->rms_mm);
     host_json_number(json, "model_share", (double)said->model_share);
@@ -281,11 +269,8 @@ static void put_align(const smr_align_report *said, host_json *json)
 static void put_landmark_goals(const host_job *job, host_json *json)
 {
     const host_landmark_goals *const g = job->goals;
-    if (g == NULL) {
-        host_json_null(json, "landmark_goals");
+    if (!host_json_object(json, "landmark_goals", g != NULL))
         return;
-    }
-    host_json_open(json, "landmark_goals", '{');
     host_json_count(json, "count", g->set.n);
     host_json_flag(json, "hard", !(job->options->goal_weight > 0.0f));
     host_json_number(json, "weight", (double)job->options->goal_weight);

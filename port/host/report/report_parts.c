@@ -57,11 +57,8 @@ void host_report_labels(const host_job *job, uint32_t part, host_json *json)
     const host_stats *const a = &result->area.to_target, *const b = &result->area.to_result;
     if (job->truth_map == NULL)
         return;
-    if (result->dice < 0.0) {
-        host_json_null(json, "labels");
+    if (!host_json_object(json, "labels", result->dice >= 0.0))
         return;
-    }
-    host_json_open(json, "labels", '{');
     host_json_number(json, "dice", result->dice);
     host_json_number(json, "hausdorff95_mm", fmax(a->p95, b->p95));
     host_json_number(json, "surface_distance_mm",
@@ -117,11 +114,8 @@ void host_report_contact(const host_job *job, host_json *json)
 {
     const host_contacts *const c = &job->contacts;
     total t = total_of(c, SMR_ALL);
-    if (!c->measured) {
-        host_json_null(json, "contact");
+    if (!host_json_object(json, "contact", c->measured))
         return;
-    }
-    host_json_open(json, "contact", '{');
     host_json_flag(json, "on", job->course.config.contact.share > 0.0f);
     host_json_number(json, "within_mm", (double)HOST_CONTACT_MM);
     put(json, &t);

@@ -5,10 +5,10 @@
 
 #include <stdlib.h>
 
-#include "base/clean_text.h"
+#include "base/byte_buffer.h"
 #include "carry/carry_volume.h"
 #include "files/file_names.h"
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 #define FIELD_ID "vtkMRMLGridTransformNode1"
 

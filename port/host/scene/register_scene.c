@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "files/file_names.h"
-#include "landmarks/points_file.h"
+#include "landmarks/landmarks.h"
 #include "scene/mrml_scene.h"
 
 #define FIELD_NAME "field.nrrd"
@@ -32,16 +32,6 @@ static void tell_left_out(const host_job *job, const char *file, const char *why
         (void)fprintf(stderr, "smr: %s: left out of the scene: %s\n", file, why);
 }
 
-/* A file of the result's directory. Owned by the caller. */
-static char *in_directory(const host_job *job, const char *name)
-{
-    const size_t n = strlen(job->options->out) + strlen(name) + 2u;
-    char *const path = malloc(n);
-    if (path != NULL)
-        (void)snprintf(path, n, "%s/%s", job->options->out, name);
-    return path;
-}
-
 /* Packed files are read by nobody but us; NIfTI's are an exception. */
 static int slicer_reads(const char *path, const char *const *extensions, size_t n)
 {
@@ -56,7 +46,7 @@ static int slicer_reads(const char *path, const char *const *extensions, size_t 
 static int add_field(making *m, host_error *error)
 {
     host_buffer file = {0};
-    char *const path = in_directory(m->job, FIELD_NAME);
+    char *const path = host_path_in(m->job->options->out, FIELD_NAME);
     double share = 0.0;
     int result = path == NULL ? host_fail(error, "output", "free memory") : 0;
     error->file = FIELD_NAME;
@@ -120,7 +110,7 @@ static int add_results(making *m, host_error *error)
         char file[NAME_ROOM];
         host_scene_model model = {name, NULL, {0}, 1.0f, NULL, SHOWN_ERROR_MM};
         (void)snprintf(file, sizeof file, "%s%s", name, host_format_extension((int)options->format));
-        char *path = in_directory(m->job, file);
+        char *path = host_path_in(m->job->options->out, file);
         if (path == NULL)
             return host_fail(error, "output", "free memory");
         model.file = path;
@@ -169,18 +159,17 @@ static int add_points(making *m, const host_landmarks *set, float xyz[HOST_LANDM
     char file[NAME_ROOM];
     int result = 0;
     (void)snprintf(file, sizeof file, "%s.mrk.json", name);
-    char *path = in_directory(m->job, file);
+    char *path = host_path_in(m->job->options->out, file);
     for (uint32_t i = 0; i < set->n && result == 0; i++)
         result = host_points_add(&points, set->label[i], strlen(set->label[i]), xyz[i]);
     if (result != 0 || path == NULL)
         buffer.failed = 1;
     else
         host_points_write(&points, file, &buffer);
-    result = host_output_add(m->output, file, &buffer, error);
+    result = host_output_take(m->output, file, &buffer, 0, error);
     if (result == 0)
         host_scene_points(&m->scene, name, path, color);
     host_points_free(&points);
-    host_buffer_free(&buffer);
     free(path);
     return result;
 }

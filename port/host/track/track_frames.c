@@ -123,9 +123,7 @@ int host_track_points_add(const host_track_points *t, const char *frame, host_ou
         return 0;
     (void)snprintf(name, sizeof name, "%s/%s", frame, t->file);
     host_points_write(&t->points, t->file, &buffer);
-    int result = host_output_add(output, name, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, name, &buffer, 0, error);
 }
 
 void host_track_points_free(host_track_points *t)
@@ -146,15 +144,6 @@ static int is_target(const struct dirent *entry)
     return 0;
 }
 
-static const char *joined(const char *directory, const char *name)
-{
-    const size_t n = strlen(directory) + strlen(name) + 2u;
-    char *const text = malloc(n);
-    if (text != NULL)
-        (void)snprintf(text, n, "%s/%s", directory, name);
-    return text;
-}
-
 static int list_directory(const char *path, host_frame *frame, host_error *error)
 {
     struct dirent **list = NULL;
@@ -163,7 +152,7 @@ static int list_directory(const char *path, host_frame *frame, host_error *error
     frame->files.path = n > 0 ? calloc((size_t)n, sizeof(char *)) : NULL;
     for (int i = 0; i < n; i++) {
         if (frame->files.path != NULL)
-            frame->files.path[frame->files.n++] = joined(path, list[i]->d_name);
+            frame->files.path[frame->files.n++] = host_path_in(path, list[i]->d_name);
         good = good && frame->files.path != NULL && frame->files.path[i] != NULL;
         free(list[i]);
     }
@@ -223,14 +212,8 @@ int host_frames_list(const host_files *paths, host_frames *frames, host_error *e
 void host_frames_free(host_frames *frames)
 {
     for (uint32_t i = 0; i < frames->n; i++) {
-        union { /* texts that this file made */
-            const char *text;
-            void *memory;
-        } one;
-        for (uint32_t k = 0; k < frames->frame[i].files.n; k++) {
-            one.text = frames->frame[i].files.path[k];
-            free(one.memory);
-        }
+        for (uint32_t k = 0; k < frames->frame[i].files.n; k++)
+            free((void *)(uintptr_t)frames->frame[i].files.path[k]); /* a text that this file made */
         free(frames->frame[i].files.path);
     }
     free(frames->frame);
@@ -242,11 +225,8 @@ int host_frame_load(const host_frame *frame, const smr_port *port, int mirror, h
     *loads = calloc(frame->files.n, sizeof **loads);
     if (*loads == NULL)
         return host_fail(error, "frame", "free memory");
-    for (uint32_t i = 0; i < frame->files.n; i++) {
-        (*loads)[i].path = frame->files.path[i];
-        (*loads)[i].need = HOST_MESH_CLOUD;
-        (*loads)[i].mirror = mirror;
-    }
+    for (uint32_t i = 0; i < frame->files.n; i++)
+        (*loads)[i] = (host_load){.path = frame->files.path[i], .need = HOST_MESH_CLOUD, .mirror = mirror};
     return host_load_all(port, *loads, frame->files.n, error);
 }
 

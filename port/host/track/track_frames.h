@@ -5,7 +5,7 @@
 
 #include "base/system.h"
 #include "files/output_files.h"
-#include "landmarks/points_file.h"
+#include "landmarks/landmarks.h"
 #include "meshes/triangle_mesh.h"
 #include "model/model_from_files.h"
 

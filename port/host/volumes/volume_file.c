@@ -121,12 +121,6 @@ uint32_t host_volume_voxel_bytes(uint32_t type)
 
 typedef int (*read_function)(host_volume_reader *reader, const unsigned char *data, size_t n);
 
-static int starts_with(const unsigned char *head, size_t n, const char *text)
-{
-    const size_t k = strlen(text);
-    return n >= k && memcmp(head, text, k) == 0;
-}
-
 /* A NIfTI file starts with the size of its header: 348, or 540 in version 2. */
 static int looks_like_nifti(const unsigned char *head, size_t n)
 {
@@ -142,9 +136,9 @@ static int looks_like_nifti(const unsigned char *head, size_t n)
 
 static read_function reader_for(const char *path, const unsigned char *head, size_t n)
 {
-    if (starts_with(head, n, "NRRD0"))
+    if (host_starts_with(head, n, "NRRD0"))
         return host_read_nrrd;
-    if (starts_with(head, n, "ObjectType") || starts_with(head, n, "NDims"))
+    if (host_starts_with(head, n, "ObjectType") || host_starts_with(head, n, "NDims"))
         return host_read_metaimage;
     if (looks_like_nifti(head, n))
         return host_read_nifti;
@@ -157,25 +151,21 @@ static read_function reader_for(const char *path, const unsigned char *head, siz
     return NULL;
 }
 
-static int accept_volume(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+static int accept_volume(const host_head *head, host_error *error)
 {
-    (void)total;
-    if (reader_for(path, head, n) != NULL)
+    if (reader_for(head->path, head->data, head->n) != NULL)
         return 0;
-    if (host_has_extension(path, ".dcm") || (n >= 132u && memcmp(head + 128, "DICM", 4) == 0))
+    if (host_has_extension(head->path, ".dcm") || (head->n >= 132u && memcmp(head->data + 128, "DICM", 4) == 0))
         return host_fail(error, "content", "a MetaImage, NIfTI-1 or NRRD volume; dcm2niix makes one of a DICOM series");
     return host_fail(error, "content", "a MetaImage, NIfTI-1 or NRRD volume");
 }
 
-static int read_file(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys, host_error *error)
+int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys,
+                            host_error *error)
 {
     host_bytes bytes;
-    host_volume_reader reader = {0};
+    host_volume_reader reader = {.volume = volume, .error = error, .path = path, .keys = keys};
     memset(volume, 0, sizeof *volume);
-    reader.volume = volume;
-    reader.error = error;
-    reader.path = path;
-    reader.keys = keys;
     if (host_file_read(path, accept_volume, &bytes, error) != 0)
         return -1;
     read_function read = reader_for(path, bytes.data, bytes.size);
@@ -192,13 +182,7 @@ static int read_file(const char *path, host_volume *volume, uint32_t *layers, ho
 int host_volume_read(const char *path, host_volume *volume, host_error *error)
 {
     uint32_t layers = 0;
-    return read_file(path, volume, &layers, NULL, error);
-}
-
-int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys,
-                            host_error *error)
-{
-    return read_file(path, volume, layers, keys, error);
+    return host_volume_read_layers(path, volume, &layers, NULL, error);
 }
 
 void host_volume_free(host_volume *volume)

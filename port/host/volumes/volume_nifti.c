@@ -209,9 +209,7 @@ static int read_place(host_volume_reader *reader, const nifti_header *header)
 
 int host_read_nifti(host_volume_reader *reader, const unsigned char *data, size_t n)
 {
-    nifti_header header;
-    header.data = data;
-    header.big_endian = 0;
+    nifti_header header = {data, 0};
     if (read_order(reader, &header, n) != 0 || read_size(reader, &header) != 0 || read_type(reader, &header) != 0 ||
         read_scale(reader, &header) != 0 || read_place(reader, &header) != 0)
         return -1;

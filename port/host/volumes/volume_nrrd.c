@@ -1,6 +1,5 @@
 /* volume_nrrd.c: reads NRRD, attached (.nrrd) or detached (.nhdr): "field: value" lines; an empty line ends the header.
  * SPDX-License-Identifier: MIT */
-#include <math.h>
 #include <string.h>
 
 #include "smr.h"

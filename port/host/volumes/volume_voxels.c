@@ -26,10 +26,10 @@ static uint32_t kept_type(const host_volume_reader *reader)
 {
     if (!reader->scaled)
         switch (reader->type) {
-        case HOST_TYPE_U8: return HOST_UINT8;
-        case HOST_TYPE_I8: return HOST_INT8;
-        case HOST_TYPE_U16: return HOST_UINT16;
-        case HOST_TYPE_I16: return HOST_INT16;
+        case HOST_TYPE_U8: return SMR_VOXEL_UINT8;
+        case HOST_TYPE_I8: return SMR_VOXEL_INT8;
+        case HOST_TYPE_U16: return SMR_VOXEL_UINT16;
+        case HOST_TYPE_I16: return SMR_VOXEL_INT16;
         case HOST_TYPE_I32:
         case HOST_TYPE_U32:
         case HOST_TYPE_I64:
@@ -38,7 +38,7 @@ static uint32_t kept_type(const host_volume_reader *reader)
         case HOST_TYPE_NONE:
         default: break;
         }
-    return HOST_FLOAT32;
+    return SMR_VOXEL_FLOAT;
 }
 
 static float to_float(double value)
@@ -104,7 +104,7 @@ static int load_raw(const host_volume_reader *reader, const unsigned char *data,
                          skip < size ? size - skip : 0u);
     if (allocate(reader, n) != 0)
         return -1;
-    if (reader->volume->type == HOST_FLOAT32 && (reader->scaled || reader->type != HOST_TYPE_F32))
+    if (reader->volume->type == SMR_VOXEL_FLOAT && (reader->scaled || reader->type != HOST_TYPE_F32))
         convert_voxels(reader, data + skip, n, bytes);
     else
         copy_voxels(reader, data + skip, n, bytes);
@@ -117,17 +117,17 @@ static int put_number(const host_volume_reader *reader, size_t i, double value)
     void *const to = reader->volume->voxels;
     const uint32_t type = reader->volume->type;
     static const double low[] = {0.0, -128.0, 0.0, -32768.0}, high[] = {255.0, 127.0, 65535.0, 32767.0};
-    if (type == HOST_FLOAT32) {
+    if (type == SMR_VOXEL_FLOAT) {
         ((float *)to)[i] = to_float(value);
         return 1;
     }
     if (!(value >= low[type] && value <= high[type]) || floor(value) < value)
         return 0;
-    if (type == HOST_UINT8)
+    if (type == SMR_VOXEL_UINT8)
         ((uint8_t *)to)[i] = (uint8_t)value;
-    else if (type == HOST_INT8)
+    else if (type == SMR_VOXEL_INT8)
         ((int8_t *)to)[i] = (int8_t)value;
-    else if (type == HOST_UINT16)
+    else if (type == SMR_VOXEL_UINT16)
         ((uint16_t *)to)[i] = (uint16_t)value;
     else
         ((int16_t *)to)[i] = (int16_t)value;
@@ -229,28 +229,29 @@ int host_volume_read_detached(host_volume_reader *reader, const char *key, host_
     return result;
 }
 
-_Static_assert((int)HOST_UINT8 == (int)SMR_VOXEL_UINT8 && (int)HOST_INT8 == (int)SMR_VOXEL_INT8 &&
-                   (int)HOST_UINT16 == (int)SMR_VOXEL_UINT16 && (int)HOST_INT16 == (int)SMR_VOXEL_INT16 &&
-                   (int)HOST_FLOAT32 == (int)SMR_VOXEL_FLOAT,
-               "voxel types have the same numbers on both sides");
+smr_volume host_volume_view(const host_volume *volume)
+{
+    smr_volume view = {0};
+    view.voxels = volume->voxels;
+    view.type = volume->type;
+    memcpy(view.size, volume->size, sizeof view.size);
+    memcpy(view.origin, volume->origin, sizeof view.origin);
+    memcpy(view.spacing, volume->spacing, sizeof view.spacing);
+    memcpy(view.direction, volume->direction, sizeof view.direction);
+    return view;
+}
 
 int host_image_read(const char *path, int mirror, host_image *image, host_error *error)
 {
     host_volume *const volume = &image->volume;
-    smr_volume *const view = &image->view;
     memset(image, 0, sizeof *image);
     error->file = path;
     if (host_volume_read(path, volume, error) != 0)
         return -1;
     if (mirror != HOST_MIRROR_NONE)
         host_volume_mirror(volume, mirror);
-    view->voxels = volume->voxels;
-    view->type = volume->type;
-    memcpy(view->size, volume->size, sizeof view->size);
-    memcpy(view->origin, volume->origin, sizeof view->origin);
-    memcpy(view->spacing, volume->spacing, sizeof view->spacing);
-    memcpy(view->direction, volume->direction, sizeof view->direction);
-    image->bytes = (size_t)view->size[0] * view->size[1] * view->size[2] * host_volume_voxel_bytes(view->type);
+    image->view = host_volume_view(volume);
+    image->bytes = (size_t)volume->size[0] * volume->size[1] * volume->size[2] * host_volume_voxel_bytes(volume->type);
     return 0;
 }
 

@@ -1,7 +1,7 @@
 /* volume_write.c: NRRD and MetaImage, uncompressed. What a reader takes of a displacement field is in ITK's and
  * Slicer's documents: vectors in LPS, vector first, intent 1006.
  * SPDX-License-Identifier: MIT */
-#include "volumes/volume_write.h"
+#include "volumes/voxel_volume.h"
 
 #include <math.h>
 #include <string.h>
