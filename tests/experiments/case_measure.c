@@ -29,8 +29,8 @@ void case_write(const case_data *data, const char *directory)
                 case_save(mesh_of(&body, k), case_text("%s/%s/%s.ply", directory, folders[k], body.name));
         }
         (void)fprintf(names, "%s ", body.name);
-        for (uint32_t v = 0; body.seen != NULL && v < body.model.n_vertices; v++)
-            (void)fputc('0' + body.seen[v], names);
+        for (uint32_t v = 0; v < body.model.n_vertices; v++)
+            (void)fputc(body.seen != NULL && !body.seen[v] ? '0' : '1', names);
         (void)fputc('\n', names);
     }
     if (names == NULL || fclose(names) != 0)
@@ -233,8 +233,8 @@ void case_tell(const case_data *data, const char *directory)
             case_fail(path);
     }
     const case_figures f = case_measure(data, xyz);
-    (void)printf("surface %.4f\nvertex %.4f\nto %.4f\nfrom %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.to,
-                 f.from, f.unseen, turned(&data->body[0].model, &result[0]));
+    (void)printf("surface %.4f\nvertex %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.unseen,
+                 turned(&data->body[0].model, &result[0]));
     if (f.unseen >= 0.0 && data->body[0].whole.n_vertices == data->body[0].truth.n_vertices) /* where it is shown */
         (void)printf("to_seen %.4f\nfrom_seen %.4f\n",
                      case_surface_mean(&result[0], &data->body[0].whole, data->body[0].seen, NULL),

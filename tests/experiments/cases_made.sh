@@ -55,7 +55,7 @@ group_parts() {
     for bone in $seven; do for seed in $(seq $(either all 3 1)); do
         bone_and_seed $bone $seed 'whole side patches end whole5 whole20 side5 side20'
     done; done
-    for line in "whole $(either all 21 7)" "side $(either all 21 7)" "patches $(either all 20 6)" "end $(either all 14 1)" \
+    for line in "whole $(either all 21 7)" "side $(either all 21 7)" "patches $(either all 20 6)" "end $(either all 13 1)" \
         "whole5 $(either all 20 7)" "whole20 $(either all 21 7)" "side5 $(either all 21 7)" "side20 $(either all 21 7)"; do
         count $line
     done
@@ -105,7 +105,7 @@ group_persons() {
     set -- $femurs m_right
     while [ $# -gt 1 ]; do
         for model in $1 $2; do for shares in '0.5 1 0.3 1' '0.3 1 0.6 1'; do
-            pair length:${shares%% *} $model $1 "$shares" similarity
+            pair length:$(echo ${shares%% *} | tr -d .) $model $1 "$shares" similarity
             record $row.held "$row.scale/$row.ratio<=1.1 && $row.scale/$row.ratio>=0.9"
         done; done
         shift

@@ -93,8 +93,8 @@ over() { # line: of its rows, LINE:..., how many, and of each figure the mean, t
             if (!(k in n) || $2 + 0 > most[k]) most[k] = $2 + 0
             if (!(k in n) || $2 + 0 < least[k]) least[k] = $2 + 0
             sum[k] += $2
-            if (++n[k] > rows) rows = n[k] }
-        END { print "rows", rows + 0
+            n[k]++ }
+        END { print "rows", ("surface" in n) ? n["surface"] : n["status"] + 0
               for (k in n) printf "%s %.6f\n%s_most %.6f\n%s_least %.6f\n%s_sum %.6f\n", k, sum[k] / n[k], k, most[k], k, least[k], k, sum[k] }' \
         "$figures" >told
     keep "$1" <told
@@ -112,9 +112,11 @@ run_group() { # group
     figures=$out/$1.figures
     : >"$figures"
     "group_$1"
+    times >told
+    awk '{ for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); s += 60 * t[1] + t[2] } } END { printf "%.1f s of a processor\n", s }' told
     cd "$tmp" && rm -rf "$tmp/$1.d"
 }
-work() { for group; do mkdir "$tmp/$group" 2>/dev/null && run_group "$group" >"$out/$group.txt" 2>&1; done; }
+work() { for group; do mkdir "$tmp/$group" 2>/dev/null && (run_group "$group") >"$out/$group.txt" 2>&1; done; }
 [ $# -gt 0 ] || set -- $groups
 for k in $(seq "${SMR_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)}"); do
     work "$@" &

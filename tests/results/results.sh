@@ -48,7 +48,7 @@ fill() { # section, file
             known = 1
             x[1] = x[2] = x[3] = ""
             for (i = 1; i <= n; i++)
-                if (f == "" && word[i] !~ /%/) { x[i] = v[word[i]]; known = known && word[i] in v }
+                if (f == "" && word[i] !~ /%/) { known = known && (word[i] in v); x[i] = v[word[i]] }
                 else f = f (f == "" ? "" : " ") word[i]
             if (f ~ /MB/) x[1] /= 1e6
             if (known) printf id "." substr($0, 1, index($0, ";") - 1) "\t" f "\n", x[1], x[2], x[3]
@@ -220,7 +220,7 @@ experiments() { # form, group...
 fill_from() { group=$1; shift; for section; do fill "$section" "$build/experiments/$group.figures"; done; } # group, section...
 
 part_ct() { experiments short ct && fill_from ct ct; }
-part_thigh() { experiments full thigh mri && fill_from thigh patient_spoiled person_spoiled shares methods && fill_from mri mri; }
+part_thigh() { experiments all thigh mri && fill_from thigh patient_spoiled person_spoiled shares methods && fill_from mri mri; }
 part_parts() { experiments all parts persons points && fill_from parts parts && fill_from persons parts && fill_from points points; }
 part_verdict() { experiments all verdict && fill_from verdict verdict; }
 part_track() { experiments all track && fill_from track track; }
