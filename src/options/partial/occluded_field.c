@@ -72,69 +72,6 @@ void smr_occluded_field_wire_image(smr_occluded_field *f, const uint8_t *found, 
     f->has_image = has_image;
 }
 
-/* Positions from which the field displaces: the rest shape of tracking, the start positions, or the positions of an
- * outdated image. */
-static float *field_start(const smr_occluded_field *f)
-{
-    if (smr_field_of_past(f))
-        return f->shape->image_x;
-    return f->schedule->tracking ? f->shape->track_rest_x : f->shape->start;
-}
-
-static float kernel(const smr_occluded_field *f, smr_vec a, smr_vec b)
-{
-    const smr_vec d = smr_sub(a, b);
-    const float d2 = smr_dot(d, d), smooth = smr_kernel(d2, f->per_length2);
-    const float near = f->rough > 0.0f ? smr_kernel(d2, f->per_rough2) : 0.0f;
-    return smooth + f->rough * (near * near * near);
-}
-
-static int is_landmark(const smr_occluded_field *f, uint32_t k) { return k < f->landmarks->n; }
-
-static int is_hard(const smr_occluded_field *f, uint32_t k)
-{
-    return is_landmark(f, k) && f->landmarks->landmark[k].given.hard != 0u;
-}
-
-/* Covariance of the field at a position with control k. A landmark is the mean of its corners. sharp: includes the
- * field of short range. */
-static float with_control(const smr_occluded_field *f, smr_vec at, uint32_t k, int sharp)
-{
-    float sum = 0.0f;
-    if (!is_landmark(f, k))
-        return kernel(f, at, smr_get3(f->start, k));
-    const smr_bound_landmark *b = &f->landmarks->landmark[k];
-    for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec corner = smr_get3(field_start(f), b->corner[c]);
-        if (!(b->share[c] > 0.0f))
-            continue;
-        float one = kernel(f, at, corner);
-        if (sharp)
-            one += SMR_FIELD_NOISE * smr_wendland(smr_length(smr_sub(at, corner)) / f->landmarks->reach);
-        sum += b->share[c] * one;
-    }
-    return sum;
-}
-
-/* Covariance of controls i and j, j <= i. */
-static float between(const smr_occluded_field *f, uint32_t i, uint32_t j)
-{
-    const int sharp = is_hard(f, i) && is_hard(f, j);
-    float sum = 0.0f;
-    if (!is_landmark(f, i))
-        return with_control(f, smr_get3(f->start, i), j, 0);
-    const smr_bound_landmark *b = &f->landmarks->landmark[i];
-    for (uint32_t c = 0; c < 3u; c++)
-        if (b->share[c] > 0.0f)
-            sum += b->share[c] * with_control(f, smr_get3(field_start(f), b->corner[c]), j, sharp);
-    return sum;
-}
-
-float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32_t j)
-{
-    return f->by_normals ? smr_field_normals_between(f, i, j, between(f, i, j)) : between(f, i, j);
-}
-
 static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
 {
     const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
@@ -199,10 +136,10 @@ static void add_landmarks(smr_occluded_field *f, smr_fit *fit)
 {
     const smr_landmark_goals *g = f->landmarks;
     for (uint32_t k = 0; k < g->n; k++) {
-        const float weight = is_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
+        const float weight = smr_field_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
         const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
-        add_control(f, k, smr_landmark_foot(g, k, field_start(f)), to, weight, fit);
-        f->noise_variance[k] = is_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_NOISE / weight;
+        add_control(f, k, smr_landmark_foot(g, k, smr_field_start(f)), to, weight, fit);
+        f->noise_variance[k] = smr_field_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_NOISE / weight;
     }
 }
 
@@ -212,7 +149,7 @@ static void add_visible(smr_occluded_field *f, const uint32_t *control, float ra
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
         const float counts = f->by_normals ? 2.0f * (float)visibility(f, v) - one : (float)visibility(f, v);
-        add_control(f, k, smr_get3(field_start(f), v), smr_get3(f->shape->x, v), 1.0f, fit);
+        add_control(f, k, smr_get3(smr_field_start(f), v), smr_get3(f->shape->x, v), 1.0f, fit);
         f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
     }
 }
@@ -281,12 +218,13 @@ void smr_occluded_field_solve(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
 {
-    const smr_vec from = smr_get3(field_start(f), v), x = smr_get3(f->shape->x, v);
+    const smr_vec from = smr_get3(smr_field_start(f), v), x = smr_get3(f->shape->x, v);
     if (f->n == 0u)
         return smr_v(0, 0, 0);
     smr_vec to = smr_pose_apply(&f->pose, from);
     for (uint32_t k = 0; k < f->n; k++)
-        to = smr_add(to, smr_scale(smr_get3(f->coefficient, k), with_control(f, from, k, is_hard(f, k))));
+        to = smr_add(to,
+                     smr_scale(smr_get3(f->coefficient, k), smr_field_with_control(f, from, k, smr_field_hard(f, k))));
     return smr_sub(to, x);
 }
 
@@ -299,7 +237,7 @@ float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
 {
     float share = 0.0f;
     for (uint32_t k = 0; k < f->landmarks->n; k++)
-        if (is_hard(f, k))
+        if (smr_field_hard(f, k))
             share = smr_max(share, smr_landmark_hard_weight(f->landmarks, k, v));
     return share;
 }
@@ -352,7 +290,7 @@ static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, ui
 
 void smr_occluded_field_fill(const smr_occluded_field *f, uint32_t v, smr_vec *displacement)
 {
-    const smr_vec at = smr_get3(field_start(f), v);
+    const smr_vec at = smr_get3(smr_field_start(f), v);
     const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
     const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
     *displacement = mix(*displacement, smr_occluded_field_displacement(f, v), share);
@@ -372,10 +310,10 @@ float smr_landmark_field_solve(smr_occluded_field *f)
 
 float smr_landmark_field_left(const smr_occluded_field *f, uint32_t v)
 {
-    const smr_vec at = smr_get3(field_start(f), v);
+    const smr_vec at = smr_get3(smr_field_start(f), v);
     float known[SMR_CONTROLS_MAX], left = 1.0f;
     for (uint32_t i = 0; i < f->n; i++) {
-        const float with = with_control(f, at, i, is_hard(f, i));
+        const float with = smr_field_with_control(f, at, i, smr_field_hard(f, i));
         known[i] = smr_solve_row(smr_field_row(f, i), i, known, with);
         left -= known[i] * known[i];
     }

@@ -187,6 +187,12 @@ void smr_field_normals_end(smr_occluded_field *f);
 /* Tries each roughness on the controls, in SMR_FIELD_TRIES * SMR_TRY_TASKS successive tasks, and sets the most
  * likely. */
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
+/* occluded_field_covariance.c: where the field starts, [n][3] mm; whether control k is a hard landmark; the covariance
+ * of the field at a position with control k, a landmark's with the mean of its corners (sharp: with the field of short
+ * reach, too). */
+float *smr_field_start(const smr_occluded_field *f);
+int smr_field_hard(const smr_occluded_field *f, uint32_t k);
+float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k, int sharp);
 /* Covariance of the observations of controls i and j, j <= i. */
 float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32_t j);
 

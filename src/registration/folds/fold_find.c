@@ -3,7 +3,6 @@
  * most folds, so the search begins at the last radius but one.
  * Bounds: one pass over the dihedral edges.
  * SPDX-License-Identifier: MIT */
-#include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
@@ -20,41 +19,6 @@ void smr_folds_reset(smr_folds *f)
     memset(&f->limit, 0, sizeof f->limit);
     memset(&f->open, 0, sizeof f->open);
     f->moved = 0;
-}
-
-void smr_runs_clear(smr_folds *f)
-{
-    memset(f->touched, 0, sizeof f->touched);
-    f->run_bits = 0;
-    while (f->shared->n_triangles >> f->run_bits >= SMR_RUNS)
-        f->run_bits++;
-}
-
-static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
-{
-    const uint32_t *t = smr_corners(f, triangle);
-    return smr_unit(smr_triangle_cross(smr_get3(x, t[0]), smr_get3(x, t[1]), smr_get3(x, t[2])));
-}
-
-float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h)
-{
-    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_dihedral_second(h)));
-}
-
-smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk)
-{
-    const smr_shape_structure *one = &f->shape->structure[p->structure];
-    smr_fold_piece piece = {0, 0, 0, f->shared->n_dihedrals};
-    if (over == SMR_OVER_TRIANGLES) {
-        piece.first = one->first_triangle;
-        piece.length = one->tree.n_triangles;
-    } else if (over == SMR_OVER_VERTICES) {
-        piece.first = one->first_vertex;
-        piece.length = one->n_vertices;
-    }
-    piece.from = piece.first + p->at;
-    piece.to = piece.first + smr_min_u32(p->at + chunk, piece.length);
-    return piece;
 }
 
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p)

@@ -1,0 +1,41 @@
+/* fold_dihedrals.c: the angle at a dihedral edge, runs of triangles without marks, and pieces of passes, for the steps
+ * that handle folds.
+ * Bounds: two triangles for each dihedral edge.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "registration/folds/folds.h"
+
+void smr_runs_clear(smr_folds *f)
+{
+    memset(f->touched, 0, sizeof f->touched);
+    f->run_bits = 0;
+    while (f->shared->n_triangles >> f->run_bits >= SMR_RUNS)
+        f->run_bits++;
+}
+
+static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
+{
+    const uint32_t *t = smr_corners(f, triangle);
+    return smr_unit(smr_triangle_cross(smr_get3(x, t[0]), smr_get3(x, t[1]), smr_get3(x, t[2])));
+}
+
+float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h)
+{
+    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_dihedral_second(h)));
+}
+
+smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk)
+{
+    const smr_shape_structure *one = &f->shape->structure[p->structure];
+    smr_fold_piece piece = {0, 0, 0, f->shared->n_dihedrals};
+    if (over == SMR_OVER_TRIANGLES) {
+        piece.first = one->first_triangle;
+        piece.length = one->tree.n_triangles;
+    } else if (over == SMR_OVER_VERTICES) {
+        piece.first = one->first_vertex;
+        piece.length = one->n_vertices;
+    }
+    piece.from = piece.first + p->at;
+    piece.to = piece.first + smr_min_u32(p->at + chunk, piece.length);
+    return piece;
+}
