@@ -123,7 +123,7 @@ case ${1:-} in
     done ;;
 esac
 # What takes longest, in this order; the rest as it comes.
-long='target_budget check_replay check_link test_host_bench test_experiment test_properties check_fused check_traps
+long='target_budget check_replay check_link test_host_bench experiments/ test_properties check_fused check_traps
     test_sums_exact test_align_parts check_layers check_timing check_boards'
 rest=
 set -- $scripts "$@"
