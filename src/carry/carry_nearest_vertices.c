@@ -92,7 +92,7 @@ static void search(const smr_carry_thin *t, const float *rest, nearest *f)
     const smr_box_tree *g = &t->groups;
     smr_visit stack[SMR_CARRY_STACK];
     uint32_t height = 0;
-    stack[height++] = (smr_visit){g->n_levels, 0u, 0.0f}; /* level 0: a group; others: one more than in the tree */
+    stack[height++] = (smr_visit){0.0f, g->n_levels, 0u}; /* level 0: a group; others: one more than in the tree */
     while (height > 0u) {
         const smr_visit at = stack[--height];
         float d2[SMR_TREE_WIDTH];
@@ -103,7 +103,7 @@ static void search(const smr_carry_thin *t, const float *rest, nearest *f)
             continue;
         }
         const uint32_t near = smr_box_distances(&g->node[g->level[at.level - 1u] + at.index], f->p, bound_of(f), d2);
-        height = smr_push_near(near, d2, (smr_visit){at.level - 1u, at.index * SMR_TREE_WIDTH, 0.0f}, stack, height);
+        height = smr_push_near(near, d2, (smr_visit){0.0f, at.level - 1u, at.index * SMR_TREE_WIDTH}, stack, height);
     }
 }
 

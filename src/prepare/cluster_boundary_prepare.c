@@ -71,7 +71,7 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
     const float far2 = (radius + half) * (radius + half) * (1.0f + SMR_BOUNDARY_ROUNDING);
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
-    stack[top++] = (smr_visit){p->points.n_levels - 1u, 0u, 0.0f};
+    stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
     while (top > 0u) {
         const smr_visit node = stack[--top];
         const smr_node *boxes = &p->points.node[p->points.level[node.level] + node.index];
@@ -82,7 +82,7 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
                 (uint64_t)child << (3u * node.level) >= p->n)
                 continue; /* vertices up to v, or behind the last one */
             if (node.level > 0u)
-                stack[top++] = (smr_visit){node.level - 1u, child, 0.0f};
+                stack[top++] = (smr_visit){0.0f, node.level - 1u, child};
             else
                 write_pair(p, l, v, child, radius, half);
         }

@@ -67,7 +67,7 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
     smr_row_clear(row, p->words);
-    stack[top++] = (smr_visit){p->points.n_levels - 1u, 0u, 0.0f};
+    stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
     while (top > 0u) {
         const smr_visit at = stack[--top];
         if (at.level == 0u) {
@@ -83,7 +83,7 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
         }
         for (; reaching != 0u; reaching &= reaching - 1u)
             stack[top++] =
-                (smr_visit){at.level - 1u, at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(reaching), 0.0f};
+                (smr_visit){0.0f, at.level - 1u, at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(reaching)};
     }
 }
 

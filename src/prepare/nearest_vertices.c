@@ -34,7 +34,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
     float d2[SMR_TREE_WIDTH];
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
-    stack[top++] = (smr_visit){p->points.n_levels - 1u, 0u, 0.0f};
+    stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
     while (top > 0u) {
         const smr_visit at = stack[--top];
         if (too_far(&best, at.d2))
@@ -50,7 +50,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
             if (from >= last || to <= first || from >= p->n || too_far(&best, child2))
                 continue;
             if (at.level > 0u)
-                stack[top++] = (smr_visit){at.level - 1u, child, child2};
+                stack[top++] = (smr_visit){child2, at.level - 1u, child};
             else if (child != v && !smr_kept_apart(p, child, v))
                 insert(&best, child, child2);
         }

@@ -44,9 +44,11 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
             const smr_corner_values v = smr_corners_of(f->xyz, t);
             float lo[3], hi[3];
             smr_put3(f->normal, base + k, smr_unit(smr_triangle_cross(v.a, v.b, v.c)));
+            if (node == NULL)
+                continue;
             smr_store(lo, smr_low(v.a, smr_low(v.b, v.c)));
             smr_store(hi, smr_high(v.a, smr_high(v.b, v.c)));
-            for (uint32_t axis = 0; node != NULL && axis < 3u; axis++) {
+            for (uint32_t axis = 0; axis < 3u; axis++) {
                 node->lo[axis][k] = lo[axis];
                 node->hi[axis][k] = hi[axis];
             }

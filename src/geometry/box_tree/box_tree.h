@@ -86,8 +86,8 @@ static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p,
 
 /* A node to be opened by a search. */
 typedef struct smr_visit {
-    uint32_t level, index; /* its level, and its index there */
     float d2;              /* squared distance to its box, mm^2, where the search needs it */
+    uint32_t level, index; /* its level, and its index there */
 } smr_visit;
 
 /* Pushes the children `near` of a node (a bit each, squared distances d2) that are not empty, the nearest last. first:
@@ -103,7 +103,7 @@ static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDT
         uint32_t at = height++;
         for (; at > bottom && stack[at - 1u].d2 < d2[k]; at--)
             stack[at] = stack[at - 1u];
-        stack[at] = (smr_visit){first.level, first.index + k, d2[k]};
+        stack[at] = (smr_visit){d2[k], first.level, first.index + k};
     }
     return height;
 }

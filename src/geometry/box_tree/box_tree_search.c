@@ -49,9 +49,10 @@ static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const
     smr_vec n = smr_get3(f->normal, i);
     if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
         return;
-    const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
+    const uint32_t *t = f->triangle + 3u * (size_t)i;
     float weight[3];
-    float d2 = smr_triangle_closest(q->point, v.a, v.b, v.c, weight);
+    float d2 =
+        smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]), weight);
     if (list != NULL && d2 < hit->d2 * widen)
         add_near(list, i, d2, weight);
     if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {
@@ -74,7 +75,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
         return; /* NaN, or as far as empty boxes: positions of a forged model */
     if (q->warm < f->n_triangles)
         try_triangle(f, skip, q, q->warm, hit, widen, NULL);
-    stack[top++] = (smr_visit){f->n_levels - 1u, 0u, 0.0f};
+    stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u && opened < q->node_budget) {
         const smr_visit v = stack[--top];
         if (v.d2 > hit->d2 * widen || (v.d2 == hit->d2 && hit->triangle != SMR_NONE && ++ties > SMR_TIES))
@@ -91,7 +92,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
             }
             continue;
         }
-        top = smr_push_near(near, d2, (smr_visit){v.level - 1u, base, 0.0f}, stack, top);
+        top = smr_push_near(near, d2, (smr_visit){0.0f, v.level - 1u, base}, stack, top);
     }
     while (list != NULL && top > 0u) /* node budget used up: triangles beyond the nearest unopened box are not near */
         list->cut2 = smr_min(list->cut2, stack[--top].d2);

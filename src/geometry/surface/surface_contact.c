@@ -85,7 +85,7 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     const smr_box_tree *f = &s->tree;
     const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
     uint32_t top = 0;
-    stack[top++] = (smr_visit){f->n_levels - 1u, 0u, 0.0f};
+    stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
         const smr_node *node = &f->node[f->level[level] + index];
@@ -94,7 +94,7 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
             if (!(node->lo[l->u][k] <= u && node->lo[l->v][k] <= v && node->hi[l->u][k] >= u && node->hi[l->v][k] >= v))
                 continue;
             if (level > 0u)
-                stack[top++] = (smr_visit){level - 1u, child, 0.0f};
+                stack[top++] = (smr_visit){0.0f, level - 1u, child};
             else if (child < f->n_triangles)
                 cross_triangle(s, l, shift, child, weight);
         }
