@@ -99,7 +99,7 @@ typedef struct smr_plan {
     uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] for smr_curve_sort() */
     uint32_t *queue;        /* [n + 1] vertices still to visit */
     uint32_t *geo_distance; /* [n] micrometres, UINT32_MAX between calls; NULL unless distances are geodesic */
-    uint64_t *geo_heap;     /* [6 nt + 1] distance and vertex; NULL unless distances are geodesic */
+    uint64_t *geo_heap;     /* [6 nt + 1] distance (micrometres) and vertex; NULL unless distances are geodesic */
 } smr_plan;
 
 /* Sets counts and sizes; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */

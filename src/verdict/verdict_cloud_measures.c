@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
+/* The structure closest to point j, of those that share the cloud; SMR_NONE: none. */
 static uint32_t closest(const smr *s, const smr_surface *cloud, uint32_t j, smr_hit *hit)
 {
     const smr_vec shift = smr_sub(cloud->origin, s->shape.origin);

@@ -31,6 +31,8 @@ typedef struct smr_evidence {
     float rotation_deg;
 } smr_evidence;
 
+_Static_assert(offsetof(smr_evidence, rotation_deg) == SMR_MEANS * sizeof(smr_mean), "the list names every mean");
+
 static inline void smr_mean_add(smr_mean *m, float value, float weight)
 {
     m->sum += value * weight;
@@ -75,6 +77,7 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /*
 /* the same by the field through landmarks; -1 with too few of them */
 void smr_measure_by_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
 
+/* The motion of a structure, or of the whole model: scale, scale_rest and turned_deg. */
 void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
 
 /* Sets level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures. */

@@ -10,6 +10,7 @@ static smr_vec area_of(smr_vec a, smr_vec b, smr_vec c)
 
 static smr_vec corner(const float *xyz, const uint32_t *t, uint32_t c) { return smr_get3(xyz, t[c]); }
 
+/* Distance of each vertex to the target, mm; SMR_FAR beyond the search. */
 static void find_distances(const smr *s, const smr_shape_structure *one, const smr_surface *target, float *distance)
 {
     for (uint32_t i = 0; i < one->n_vertices; i++) {

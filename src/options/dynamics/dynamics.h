@@ -106,6 +106,7 @@ static inline smr_vec smr_dynamics_next(const smr_dynamics *d, uint32_t v, smr_v
     return smr_scale(smr_add(y, elastic), 1.0f / (1.0f + d->springs * (1.0f + share)));
 }
 
+/* 1: the model has mass. */
 static inline int smr_moves(const smr *s) { return SMR_HAS_DYNAMICS && s->shape.dynamics != NULL; }
 
 /* ---- time steps, of SMR_SWEEPS iterations each ---- */

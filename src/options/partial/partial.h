@@ -112,6 +112,7 @@ static inline float smr_wendland(float distance)
     return left2 * left2 * (4.0f * distance + 1.0f);
 }
 
+/* Returns 1 when a landmark is bound to the vertex. */
 int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
 
 /* ---- the field ---- */
@@ -243,6 +244,7 @@ int smr_occluded_field_blend_image(const smr_occluded_field *f, uint32_t v, int 
 /* The displacement to the position that the field gives the vertex, mm. */
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
 
+/* Weight of hard landmarks at a vertex, 0..1. */
 float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v);
 
 /* Averages a displacement with the field by the weight of hard landmarks. */

@@ -115,6 +115,7 @@ static inline uint32_t smr_dihedral_second(const smr_stored_dihedral *h)
     return smr_le32(h->bend) & SMR_DIHEDRAL_MASK;
 }
 
+/* The cosine below which a dihedral edge counts as folded. */
 static inline float smr_dihedral_limit_of(const smr_stored_dihedral *h)
 {
     return smr_dihedral_limit(smr_le32(h->bend));

@@ -43,6 +43,7 @@ typedef struct smr_forces {
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_forces_reset(smr_forces *f); /* called when an iteration is abandoned: discards all results of its forces */
 void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
+/* Share of a structure's vertices with a goal in the last search; -1: not yet searched with this target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */

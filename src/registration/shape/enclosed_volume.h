@@ -35,8 +35,10 @@ float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
  * area. */
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
 
+/* Scale of the similarity that maps the whole model's rest shape onto the start positions. */
 float smr_start_scale(const smr_shape *shape);
 
+/* Returns 1 when the start positions are mirrored. */
 int smr_start_mirrored(const smr_shape *shape);
 
 #endif

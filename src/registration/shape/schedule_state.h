@@ -111,6 +111,7 @@ static inline float smr_mass(const smr_shared *c, uint32_t vertex)
     return smr_le_float(((const uint32_t *)smr_at(c->model, c->model->at_mass))[vertex]);
 }
 
+/* The position of a stored vertex in the model's rest shape, mm from the model's centre. */
 static inline smr_vec smr_rest(const smr_shared *c, uint32_t vertex)
 {
     const uint32_t *rest = (const uint32_t *)smr_at(c->model, c->model->at_rest) + 3u * (size_t)vertex;

@@ -101,6 +101,7 @@ void smr_track_rest_sum(void *arg, uint32_t task, uint32_t worker)
     h->vertex = 0;
 }
 
+/* The composition of two poses: first p, then q. */
 static smr_pose after(const smr_pose *q, const smr_pose *p)
 {
     smr_pose r;
