@@ -1,6 +1,6 @@
-/* registration.h: a registration: its stages in the order of an iteration, and its state. It lies at the start of
- * the caller's arena; the stages' arrays follow. Stages get only their own struct, with const views of what they
- * read.
+/* registration.h: a registration: the structs of its stages in the order of an iteration, and its state. The struct
+ * lies at the start of the caller's arena; the stages' arrays follow. A stage gets its own struct, which holds const
+ * pointers to what the stage reads.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_REGISTRATION_H
 #define SMR_REGISTRATION_H
@@ -10,19 +10,35 @@
 #include "options/contact/contact.h"
 #include "registration/folds/folds.h"
 #include "registration/goals/external_forces.h"
-#include "registration/match/match_rotation.h"
 #include "log/record/log_format.h"
-#include "registration/time_budget.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
+#define SMR_STEPS_MAX 44u /* most steps of an iteration */
+
+/* What the time budget has learnt and decided (time_budget.c). */
+typedef struct smr_time_budget {
+    float rate[SMR_STEPS_MAX]; /* cost of each step, ns a unit of work; negative: unknown */
+    uint64_t spent;            /* time spent in the current step, ns */
+    float sum;                 /* time spent in the current iteration, ns */
+    float whole;               /* mean time of an iteration, ns */
+    uint64_t budget;           /* budget of the tick that began the iteration, ns */
+    uint32_t count;            /* number of active vertices when the costs of the cluster sums were learnt */
+    uint32_t uncut;            /* 1: the current iteration spans several ticks and leaves no vertex out */
+    uint32_t late;             /* 1: the iteration did not end in its tick, as it should have */
+    uint32_t cut;              /* 1: n_active was reduced for lack of time */
+    uint32_t repairing;        /* 1: the last iteration repaired folds */
+    float margin;              /* factor on the time kept in reserve for the rest of the iteration */
+    uint32_t look;             /* number of searched vertices at which the reserve is checked next */
+    uint32_t odd;              /* 1: the clock ran backwards in the current step */
+} smr_time_budget;
 
 struct smr {
-    uint32_t magic;
-    uint32_t step, next_task; /* position of the tick: current step of the iteration, tasks of it already done */
+    uint32_t magic;           /* SMR_STATE_MAGIC */
+    uint32_t step, next_task; /* position of the tick: current step of the iteration, completed tasks of this step */
     uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
     uint32_t refused;         /* 1: the port used a worker number that does not exist; until positions are set anew */
-    uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them */
-    /* takes such an input, as smr_log_note() has it: restore_awaited_inputs.c. Set by smr_restore() */
+    uint32_t n_awaited;       /* number of inputs that must be set again after a restore */
+    /* takes an awaited input, with the arguments of smr_log_note(); set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
     const struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
     smr_port port;
@@ -45,13 +61,13 @@ struct smr {
 /* Returns 1 for a registration at the address that smr_init() gave it. */
 static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC && s->placed == s; }
 
-/* Returns 1 when the registration may be changed: not from within a tick or its tasks. */
+/* Returns 1 when the registration may be changed: no tick is running. */
 static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->ticking; }
 
-/* Returns 1 when the registration may run: no input is missing. */
+/* Returns 1 when the registration may run: no tick is running, and no input is awaited. */
 static inline int smr_ready(const smr *s) { return smr_changeable(s) && s->n_awaited == 0u; }
 
-/* Checks of a function that reads a structure into `out`. Errors: E_NULL, E_STATE, E_INPUT. */
+/* Checks the arguments of a function that reads a structure into `out`. Errors: E_NULL, E_STATE, E_INPUT. */
 static inline smr_status smr_readable(const smr *s, uint32_t structure, const void *out)
 {
     if (s == NULL || out == NULL)
@@ -61,8 +77,7 @@ static inline smr_status smr_readable(const smr *s, uint32_t structure, const vo
     return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
 }
 
-/* get_results.c: copies an array [n][3] of stored vertices, moved by `shift`, into the caller's order. Errors: as
- * smr_readable(). */
+/* Copies an array [n][3] of stored vertices plus `shift` to xyz in the caller's order. Errors: as smr_readable(). */
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz);
 
 #endif

@@ -6,7 +6,6 @@
 
 #include <smr.h>
 
-#include "registration/tick/iteration_commit.h"
 #include "registration/tick/iteration_steps.h"
 #include "smr_baremetal.h"
 #include "smr_semihost.h"

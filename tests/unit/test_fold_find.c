@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "registration/tick/coarse_to_fine_schedule.h"
 #include "registration/tick/iteration_steps.h"
 
 #define SIDE 12u

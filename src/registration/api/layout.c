@@ -11,7 +11,7 @@ static uint32_t parts_of(const smr_shared *shared)
 {
     const smr_config *const c = &shared->config;
     const int image = smr_le32(shared->model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
-    uint32_t parts = SMR_PART_PLAIN;
+    uint32_t parts = SMR_PART_PLAIN | SMR_PART_REFERENCE;
     if (SMR_HAS_IMAGE && image)
         parts |= SMR_PART_IMAGE;
     if (SMR_HAS_PARTIAL && (c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u ||

@@ -2,8 +2,6 @@
  * Bounds: those of a start.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
-#include "registration/tick/coarse_to_fine_schedule.h"
-#include "registration/tick/iteration_commit.h"
 
 smr_status smr_set_volume(smr *s, const smr_volume *volume)
 {

@@ -1,8 +1,7 @@
 /* set_motion.c: sets and reads masses and velocities; computes energies.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "options/dynamics/dynamics.h"
-#include "registration/tick/iteration_commit.h"
+#include "registration/tick/iteration_steps.h"
 
 static smr_status check(const smr *s, const void *what)
 {

@@ -3,8 +3,7 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
 #include "registration/schedule_radius.h"
-#include "registration/tick/coarse_to_fine_schedule.h"
-#include "registration/tick/iteration_commit.h"
+#include "registration/tick/iteration_steps.h"
 
 #define SMR_FAR_OFF 500.0f /* distance from the origin, mm, from which on the origin is moved */
 

@@ -3,7 +3,6 @@
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
-#include "registration/match/match_rotation.h"
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 {

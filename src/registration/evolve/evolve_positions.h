@@ -4,7 +4,7 @@
 #ifndef SMR_EVOLVE_POSITIONS_H
 #define SMR_EVOLVE_POSITIONS_H
 
-#include "registration/match/cluster_reference.h"
+#include "registration/match/cluster_match.h"
 
 #define SMR_LIMITED_FULL 255.0f /* the whole step was limited */
 

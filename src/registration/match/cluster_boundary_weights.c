@@ -1,28 +1,12 @@
-/* cluster_boundary_weights.c: fractional weights of vertices near a cluster's boundary: adds the difference from the
- * sums by lists. In integers, so that the order does not matter.
+/* cluster_boundary_weights.c: fractional weights of vertices near a cluster's boundary: adds to the sums the difference
+ * from the weight 0 or 1 of the order L. Integers, so the order of the pairs does not matter.
  * Bounds: one pass over the radius' boundary pairs.
  * SPDX-License-Identifier: MIT */
-#include "registration/match/cluster_reference.h"
+#include "registration/match/cluster_match.h"
 
 #define SMR_BOUNDARY_CHUNK 16u /* pairs of a task */
 
-typedef struct pair {
-    uint32_t a, b;
-    int32_t share; /* difference from the lists' weight 0 or 1, in 1 / SMR_BOUNDARY_UNITS */
-} pair;
-
-static uint32_t pairs_end(const smr_lists *l, uint32_t task)
-{
-    return smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, l->n_boundary);
-}
-
-static pair pair_at(const smr_lists *l, uint32_t i)
-{
-    const smr_stored_boundary *stored = l->boundary + i;
-    return (pair){smr_le32(stored->first), smr_le32(stored->second),
-                  (int32_t)smr_le32(stored->share) - SMR_BOUNDARY_UNITS / 2};
-}
-
+/* Adds share / SMR_BOUNDARY_UNITS of the record of vertex `from` to the sum of vertex `to`. */
 static void add_record(smr_sums *s, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *sum = s->sum + SMR_WORDS * (size_t)to;
@@ -36,41 +20,39 @@ uint32_t smr_boundary_tasks(const void *arg)
     return smr_ceil_div(((const smr_sums *)arg)->schedule->lists.n_boundary, SMR_BOUNDARY_CHUNK);
 }
 
-/* Pairs share vertices, so tasks run one after the other. */
-void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
+uint32_t smr_reference_boundary_tasks(const void *arg) { return smr_boundary_tasks(((const smr_reference *)arg)->sums); }
+
+/* Adds the pairs of a task to the moments of the reference, or where r is NULL to the sums of records. */
+static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 {
-    smr_sums *s = arg;
-    (void)worker;
-    const smr_schedule *schedule = s->schedule;
-    const uint32_t last = pairs_end(&schedule->lists, task);
+    const smr_lists *l = &s->schedule->lists;
+    const uint32_t n_active = s->schedule->n_active,
+                   last = smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, l->n_boundary);
     for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const pair p = pair_at(&schedule->lists, i);
-        if (smr_active(schedule, p.b))
-            add_record(s, p.a, p.b, p.share);
-        if (smr_active(schedule, p.a))
-            add_record(s, p.b, p.a, p.share);
+        const uint32_t pair[2] = {smr_le32(l->boundary[i].first), smr_le32(l->boundary[i].second)};
+        const int32_t share = (int32_t)smr_le32(l->boundary[i].share) - SMR_BOUNDARY_UNITS / 2;
+        for (uint32_t k = 0; k < 2u; k++) {
+            if (pair[1u - k] >= n_active)
+                continue;
+            if (r != NULL)
+                smr_reference_add(r, pair[k], pair[1u - k], share);
+            else
+                add_record(s, pair[k], pair[1u - k], share);
+        }
     }
 }
 
-uint32_t smr_reference_boundary_tasks(const void *arg)
+/* Pairs share vertices, so tasks run one after the other. */
+void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
 {
-    const smr_reference *r = arg;
-    return smr_reference_due(r) ? smr_boundary_tasks(r->sums) : 0u;
+    (void)worker;
+    add_pairs(arg, NULL, task);
 }
 
 void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker)
 {
-    smr_reference *r = arg;
     (void)worker;
-    const smr_schedule *schedule = r->schedule;
-    const uint32_t last = pairs_end(&schedule->lists, task);
-    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const pair p = pair_at(&schedule->lists, i);
-        if (smr_active(schedule, p.b))
-            smr_reference_add(r, p.a, p.b, p.share);
-        if (smr_active(schedule, p.a))
-            smr_reference_add(r, p.b, p.a, p.share);
-    }
+    add_pairs(((smr_reference *)arg)->sums, arg, task);
 }
 
 void smr_sums_at_once(smr_sums *s)

@@ -1,72 +1,51 @@
 /* cluster_reference.c: for each new reference shape x^r, each cluster's centre c^r, mass M and covariance C^r or
  * inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre, and moments are summed as
- * wrapping integers; relative to the cluster's own vertex the results fit and are exact, however far the cluster lies
- * from the origin. Second moments use a coarse step, about a thousandth of the cluster's size; the centre has a fine
- * step of its own. In dynamics weights differ more: there the moments about stored vertex 0 are rounded instead of the
- * positions.
+ * wrapping integers. About the cluster's own vertex the moments fit and are exact, however far the cluster lies from
+ * the origin. Second moments have a coarse step, about a thousandth of the cluster's size; the centre has a fine step.
+ * In dynamics weights differ more: the moments about stored vertex 0 are rounded, not the positions.
  * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */
-#include "registration/match/cluster_reference.h"
-
-#include "base/fixed_point.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
+#include "registration/match/cluster_match.h"
 
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step over the coarse step */
 #define SMR_PART_BITS 10u               /* a step has 2^SMR_PART_BITS parts */
-/* a cluster thinner than this share of its length is a line, without torque about it */
-#define SMR_INERTIA_FLOOR 1.0e-4f
+#define SMR_INERTIA_FLOOR 1.0e-4f       /* a cluster thinner than this share of its length gets no torque along it */
+#define SMR_COARSE_MOST (1 << 15)       /* most coarse steps between members of a cluster, by step_for() */
+#define SMR_FINE_MOST (1 << 30)         /* most fine steps between members of a cluster */
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    /* lives longer than an iteration, but follows from x^r */
+    /* centre, spread, cluster_mass and share follow from x^r, so a save leaves them out and sets `missing` */
     r->centre = smr_slot_scratch(a, r->centre, n, 3u * sizeof(float));
-    /* and is recomputed after a restore: `missing` */
     r->spread = smr_slot_scratch(a, r->spread, n, 6u * sizeof(float));
     r->cluster_mass = smr_slot_scratch(a, r->cluster_mass, n, sizeof(float));
     r->share = smr_slot_scratch(a, r->share, n, sizeof(float));
     smr_keep_words(a, &r->stale, 1, 1);
 }
 
-uint32_t smr_reference_tasks(const void *arg)
-{
-    const smr_reference *r = arg;
-    return smr_reference_due(r) ? r->shared->n_tasks : 0u;
-}
-
-uint32_t smr_reference_record_tasks(const void *arg)
-{
-    const smr_reference *r = arg;
-    return smr_reference_due(r) ? smr_match_tasks(r->schedule) : 0u;
-}
-
-uint32_t smr_reference_block_tasks(const void *arg)
-{
-    const smr_reference *r = arg;
-    return smr_reference_due(r) ? smr_block_tasks(r->sums) : 0u;
-}
-
+uint32_t smr_reference_tasks(const void *arg) { return ((const smr_reference *)arg)->shared->n_tasks; }
+uint32_t smr_reference_record_tasks(const void *arg) { return smr_match_tasks(((const smr_reference *)arg)->schedule); }
+uint32_t smr_reference_block_tasks(const void *arg) { return smr_block_tasks(((const smr_reference *)arg)->sums); }
 uint32_t smr_reference_block_abreast(const void *arg) { return smr_block_abreast(((const smr_reference *)arg)->sums); }
-
 void smr_reference_block_pieces(void *arg, int cut) { smr_block_pieces(((smr_reference *)arg)->sums, cut); }
+uint32_t smr_reference_cluster_tasks(const void *arg)
+{
+    return smr_ceil_div(((const smr_reference *)arg)->shared->n, SMR_MATCH_CHUNK);
+}
 
 void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
 {
     smr_sums_forest(((smr_reference *)arg)->sums, task, worker);
 }
 
-uint32_t smr_reference_cluster_tasks(const void *arg)
-{
-    const smr_reference *r = arg;
-    return smr_reference_due(r) ? smr_ceil_div(r->shared->n, SMR_MATCH_CHUNK) : 0u;
-}
-
-/* Computes the largest distance of x^r from the rest pose in a chunk, mm squared. */
+/* Computes the largest squared distance of x^r from the rest shape in its pose in a chunk, mm^2. */
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
 {
     smr_reference *r = arg;
-    float off2 = 0.0f;
     (void)worker;
+    float off2 = 0.0f;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
         const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v));
         off2 = smr_max(off2, smr_dot(d, d));
@@ -74,20 +53,18 @@ void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
     r->tally[task].reference.deviation2 = off2;
 }
 
-/* Largest distance between a cluster's vertex and a member in x^r: the rest distance, scaled like the pose, plus the
- * distances of both from that pose. */
+/* Largest distance between a cluster's vertex and a member in x^r, mm: the distance at rest, scaled by the rest pose,
+ * plus the distances of both vertices from the rest shape in its pose. */
 static float reach_bound(const smr_reference *r)
 {
-    const smr_pose *p = &r->shape->rest_pose;
     float off2 = 0.0f;
     for (uint32_t t = 0; t < r->shared->n_tasks; t++)
         off2 = smr_max(off2, r->tally[t].reference.deviation2);
-    const smr_vec column = smr_column(p, 0);
-    return 1.01f * (r->schedule->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
+    const float scale = smr_length(smr_column(&r->shape->rest_pose, 0));
+    return 1.01f * (r->schedule->lists.reach * scale + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
-/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Its time does not
- * depend on k. */
+/* The smallest power of two k, 2^-20..2^40 mm, with mass * (reach / k)^power <= 2^30. The time does not depend on k. */
 static float step_for(float mass, float reach, int power)
 {
     float k = 1.0f / 1048576.0f;
@@ -111,31 +88,35 @@ void smr_reference_begin(smr_reference *r)
     r->sums->words = SMR_WORDS;
 }
 
-/* x^r of a vertex in whole steps of 1 / inverse, modulo 2^32. Only differences within a cluster must fit. */
+/* x rounded to the nearest whole number. */
+static inline int64_t nearest(float x)
+{
+    const float v = smr_clamp(x, -1.0e18f, 1.0e18f);
+    return (int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+}
+
+/* A position in whole steps of 1 / inverse mm, modulo 2^32. Only differences within a cluster must fit. */
 static void steps_of(const float *x, float inverse, uint32_t out[3])
 {
-    for (uint32_t a = 0; a < 3u; a++) {
-        const float v = smr_clamp(x[a] * inverse, -1.0e18f, 1.0e18f);
-        out[a] = (uint32_t)(uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
-    }
+    for (uint32_t a = 0; a < 3u; a++)
+        out[a] = (uint32_t)(uint64_t)nearest(x[a] * inverse);
 }
 
-/* x^r of a vertex in parts of a step. */
+/* A position in parts of a step, modulo 2^64. */
 static void parts_of(const float *x, float inverse, uint64_t out[3])
 {
-    for (uint32_t a = 0; a < 3u; a++) {
-        const float v = smr_clamp(x[a] * inverse * (float)(1u << SMR_PART_BITS), -1.0e18f, 1.0e18f);
-        out[a] = (uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
-    }
+    for (uint32_t a = 0; a < 3u; a++)
+        out[a] = (uint64_t)nearest(x[a] * inverse * (float)(1u << SMR_PART_BITS));
 }
 
+/* parts / 2^bits, rounded to nearest. */
 static uint32_t whole(uint64_t parts, uint32_t bits)
 {
     return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
 }
 
-/* The origin of moments in coarse steps, modulo 2^32: stored vertex 0 in dynamics, otherwise the model's origin. A
- * body far from its origin would have large moments, with large rounding errors. */
+/* The origin of moments in coarse steps, modulo 2^32: x^r of stored vertex 0 in dynamics, where moments about a far
+ * origin would have large rounding errors; otherwise the origin of x^r. */
 static void origin_of(const smr_reference *r, uint32_t out[3])
 {
     out[0] = out[1] = out[2] = 0;
@@ -143,7 +124,7 @@ static void origin_of(const smr_reference *r, uint32_t out[3])
         steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
 }
 
-/* A position in whole coarse steps from that origin, modulo 2^32. */
+/* A position in whole coarse steps from the origin of moments, modulo 2^32. */
 static void steps_from(const smr_reference *r, const uint32_t origin[3], const float *x, uint32_t out[3])
 {
     steps_of(x, r->per_coarse, out);
@@ -151,9 +132,9 @@ static void steps_from(const smr_reference *r, const uint32_t origin[3], const f
         out[a] -= origin[a];
 }
 
-/* Writes the moments of a vertex in dynamics. A pinned vertex may weigh as much as its cluster, so rounding its
- * position would not average out; here each moment is rounded once, to a unit of 2^-30 of the sum. Moments are
- * needed modulo 2^32, so 64 bits may wrap. */
+/* Writes the moments of a vertex of mass m in dynamics. A pinned vertex may weigh as much as its cluster, so rounding
+ * its position would not average out: each moment is rounded once, to a unit of 2^-30 of the sum. Moments are needed
+ * modulo 2^32, so 64 bits may wrap. */
 static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_t *w)
 {
     uint64_t q[3], f[3];
@@ -171,13 +152,7 @@ static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_
     }
 }
 
-/* x rounded to the nearest multiple of step, mm. */
-static float stepped(float x, float step)
-{
-    const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);
-    return (float)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f)) * step;
-}
-
+/* Writes the moments of a vertex of mass m with its position in whole steps. */
 static void record_steps(const smr_reference *r, uint32_t v, uint32_t m, uint32_t *w)
 {
     uint32_t q[3], f[3];
@@ -204,23 +179,19 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
         else
             record_steps(r, v, m, w);
         w[0] = m;
-        w[13] = SMR_BOUNDARY_UNITS; /* counts members */
+        w[13] = SMR_BOUNDARY_UNITS; /* summed to the number of members */
         w[14] = w[15] = 0;
     }
 }
 
-#define SMR_COARSE_MOST (1 << 15) /* most steps between members of a cluster, by step_for() */
-#define SMR_FINE_MOST (1 << 30)
-
-/* a - b in steps. Members of a cluster are at most `most` steps apart; a forged model may name others. */
+/* a - b in steps, at most `most` as between members of a cluster; a forged model may name other vertices. */
 static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
 {
     const int32_t d = smr_signed(a - b);
     return d > most ? most : (d < -most ? -most : d);
 }
 
-/* Adds share / SMR_BOUNDARY_UNITS of one vertex' moments to another's cluster, about that cluster's vertex, where
- * they are small integers. The remainder of the mass has a word of its own. */
+/* The moments are about the cluster's vertex `to`, where they are small integers. Word 14: fractions of mass. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, origin[3], q[3], f[3], there[3], fine[3], first[3];
@@ -244,7 +215,7 @@ void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t sha
     w[14] += (uint32_t)m;
 }
 
-/* The inverse inertia tensor of a covariance, defined for lines and points, too. */
+/* The pseudo-inverse of the inertia tensor of a covariance, also defined for lines and points. */
 static void invert_inertia(const float c[6], float out[6])
 {
     const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];
@@ -270,7 +241,7 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
             continue;
         steps_from(r, origin, x, q);
         steps_of(x, r->per_fine, f);
-        /* moments about the cluster's own vertex */
+        /* from here on moments are about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
         float d[3], c[6];
         for (uint32_t a = 0; a < 3u; a++)
@@ -281,7 +252,7 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
                        mass * d[a] * d[b];
         for (uint32_t a = 0; a < 3u; a++)
             smr_at3(r->centre, v)[a] =
-                stepped(x[a], r->fine) + smr_unfix(w[10u + a] - w[0] * f[a], r->fine * unit) / mass;
+                (float)nearest(x[a] / r->fine) * r->fine + smr_unfix(w[10u + a] - w[0] * f[a], r->fine * unit) / mass;
         r->cluster_mass[v] = mass;
         if (r->shared->config.basic.method == SMR_METHOD_RIGID)
             invert_inertia(c, r->spread + 6u * (size_t)v);

@@ -1,12 +1,10 @@
 /* cluster_sums.c: fixed-point records of each vertex and their sums over every cluster, along the order L (paper 2.2):
- * Sum_i = Sum_parent + Sum over zeta+ - Sum over zeta-. Exact, see base/fixed_point.h. Blocks are independent tasks.
+ * Sum_i = Sum_parent + Sum over zeta+ - Sum over zeta-. The sums are exact (base/fixed_point.h). Blocks are tasks.
  * Bounds: one pass over a block's entries and indexes.
  * SPDX-License-Identifier: MIT */
-#include "registration/match/cluster_sums.h"
+#include "registration/match/cluster_match.h"
 
-#include "base/fixed_point.h"
-
-#define SMR_ENTRY_CHUNK 32u /* entries of a piece of a block; half as many where records are longest */
+#define SMR_ENTRY_CHUNK 32u /* entries in a piece of a block; half as many for the moments of x^r */
 
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
 {
@@ -17,15 +15,14 @@ void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1
 
 uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
-/* Tasks: a block is one task, or several in succession: task = piece * n_blocks + block. The same piece of all
- * blocks comes before the next one. */
+/* A task is a block, or a piece of a block: task = piece * n_blocks + block, so the first pieces of all blocks come
+ * before the second ones. */
 uint32_t smr_block_tasks(const void *arg)
 {
     const smr_sums *s = arg;
     return s->schedule->lists.n_blocks * smr_max_u32(s->pieces, 1u);
 }
 
-/* Entries of a piece: fewer for the longest records, those of the reference shape. */
 static uint32_t entries_of(const smr_sums *s) { return s->words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
 
 void smr_block_pieces(void *arg, int cut)
@@ -68,7 +65,7 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Four words that are added together: not all compilers vectorise this by themselves. */
+/* Four words that are added together: not all compilers vectorise a loop over words. */
 typedef uint32_t lanes __attribute__((vector_size(16)));
 
 static inline lanes load_lanes(const uint32_t *from)
@@ -80,9 +77,8 @@ static inline lanes load_lanes(const uint32_t *from)
 
 static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l); }
 
-/* The loops below serve both index widths and three record lengths; `n_lanes` and the index width are constants at
- * each call, so the compiler makes one loop of each. Lists ascend, so the first inactive vertex (`limit` or above)
- * ends a list. */
+/* Serves both index widths and three record lengths: `n_lanes` and the index width are constants at each call, so the
+ * compiler makes a loop for each. Lists ascend, so the first inactive vertex (`limit` or above) ends a list. */
 #define SMR_ADD(operation, vertex)                                                                                     \
     {                                                                                                                  \
         const uint32_t *r = record + SMR_WORDS * (size_t)(vertex);                                                     \
@@ -90,7 +86,7 @@ static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l)
             acc[k] operation load_lanes(r + 4u * k);                                                                   \
     }
 
-/* A piece of a block: entries from..to; index: its first index. */
+/* A piece of a block: entries from .. to - 1; `index` is the first index of entry `from`. */
 typedef struct piece {
     uint32_t block, from, to, index;
 } piece;
@@ -133,23 +129,17 @@ typedef struct piece {
 SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
 SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
 
-/* Sums along the chain of one piece. Returns the index after the last one. */
+/* Sums along the chain of one piece. Returns the index after the last index of the piece. */
 static uint32_t chain(const smr_sums *s, piece p)
 {
     const smr_lists *l = &s->schedule->lists;
-    const uint32_t active = s->schedule->n_active, lanes_used = s->words <= 8u ? 2u : (s->words <= 12u ? 3u : 4u);
-    if (l->index_bytes == 2u) {
-        if (lanes_used == 2u)
-            return chain16(l, p, active, s->record, s->sum, 2u);
-        if (lanes_used == 3u)
-            return chain16(l, p, active, s->record, s->sum, 3u);
-        return chain16(l, p, active, s->record, s->sum, 4u);
-    }
-    if (lanes_used == 2u)
-        return chain32(l, p, active, s->record, s->sum, 2u);
-    if (lanes_used == 3u)
-        return chain32(l, p, active, s->record, s->sum, 3u);
-    return chain32(l, p, active, s->record, s->sum, 4u);
+    const uint32_t active = s->schedule->n_active, *record = s->record;
+    const int narrow = l->index_bytes == 2u;
+    if (s->words <= 8u)
+        return narrow ? chain16(l, p, active, record, s->sum, 2u) : chain32(l, p, active, record, s->sum, 2u);
+    if (s->words <= 12u)
+        return narrow ? chain16(l, p, active, record, s->sum, 3u) : chain32(l, p, active, record, s->sum, 3u);
+    return narrow ? chain16(l, p, active, record, s->sum, 4u) : chain32(l, p, active, record, s->sum, 4u);
 }
 
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
@@ -165,7 +155,7 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
         p.from = smr_min_u32(i * entries_of(s), length);
         p.to = smr_min_u32(p.from + entries_of(s), length);
         if (i > 0u)
-            p.index = s->tally[block].sums.index; /* where the previous piece ended */
+            p.index = s->tally[block].sums.index;
         s->tally[block].sums.index = chain(s, p);
         return;
     }

@@ -1,12 +1,13 @@
-/* match_rotation.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), out
- * of the cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
+/* match_rotation.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), from
+ * the cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
  * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/rotation/rotation_polar_decomposition.c. In both t = c - R c^r. R - I
- * is kept rather than R: it is small, and nothing is lost when nothing turns.
+ * is stored, not R: R - I is small and exactly 0 without a rotation.
  * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/match/match_rotation.h"
-
 #include "geometry/rotation/rotation.h"
+#include "registration/match/cluster_match.h"
+
+#define SMR_RADIANS 0.017453293f /* rad per degree */
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
 {
@@ -22,22 +23,19 @@ void smr_match_reset(smr_match *m)
             m->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
 }
 
-#define SMR_RADIANS 0.017453293f /* rad per degree */
-
-/* The rotation vector of a cluster by rigid-body kinematics. mu: sum of m u; w: the other words of the sums. */
+/* The rotation vector of a cluster by rigid-body kinematics, rad. mu: sum of m u; w: words of Sum m x^r x u. */
 static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse)
 {
     const smr_reference *const r = m->reference;
     const float turn_deg = m->shared->config.motion.turn_deg;
-    const smr_vec c = smr_get3(r->centre, v);
-    smr_vec l = smr_unfix3(w, inverse);
-    l = smr_sub(l, smr_cross(c, mu));
+    const smr_vec l = smr_sub(smr_unfix3(w, inverse), smr_cross(smr_get3(r->centre, v), mu));
     const float *i = r->spread + 6u * (size_t)v;
     const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
     const smr_vec turn = smr_mul(full, l);
     return turn_deg > 0.0f ? smr_turn_within(turn, turn_deg * SMR_RADIANS) : turn;
 }
 
+/* R - I of a cluster by polar decomposition. w: the words of the sum of m u x^r^T. */
 static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
 {
     const float *c = smr_at3(m->reference->centre, v), *i = m->reference->spread + 6u * (size_t)v;
@@ -51,10 +49,11 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     }
     memset(r_minus_i, 0, 9u * sizeof *r_minus_i);
     if (!(change > 0.0f))
-        return; /* without a rotation R is exactly I: rounding would accumulate over plastic updates */
+        return; /* R is exactly I: rounding would accumulate over plastic updates */
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
+/* t [12]: R - I and t of a cluster. */
 static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     if (m->shared->config.basic.method == SMR_METHOD_RIGID)
@@ -65,6 +64,7 @@ static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t
     smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_get3(m->reference->centre, v))));
 }
 
+/* t [6]: the logarithm of a cluster's transform: rotation vector, rad, and rate, mm. */
 static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     smr_vec turn;

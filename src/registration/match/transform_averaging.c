@@ -1,9 +1,9 @@
-/* transform_averaging.c: averaging the clusters' transforms (paper 2.3, evolution): x~_i = Sum_i(T) x^r_i / |zeta_i|.
- * Here the transforms T_i = [R_i - I, t_i] become records; cluster_sums.c sums them, and evolve/evolve_positions.c
- * applies the mean to x^r. With smr_config.motion.fusing `lie` records are of log T_i, and x~_i = exp(Sum_i(log T) /
- * |zeta_i|) x^r_i. Bounds: one pass over the active vertices.
+/* transform_averaging.c: the clusters' transforms T_i = [R_i - I, t_i] as records, for x~_i = Sum_i(T) x^r_i / |zeta_i|
+ * (paper 2.3, evolution). cluster_sums.c sums the records; evolve_positions.c applies the mean to x^r. With
+ * smr_config.motion.fusing `lie` records are of log T_i, and x~_i = exp(Sum_i(log T) / |zeta_i|) x^r_i.
+ * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/match/match_rotation.h"
+#include "registration/match/cluster_match.h"
 
 uint32_t smr_average_tasks(const void *arg) { return smr_active_tasks(((const smr_match *)arg)->schedule); }
 

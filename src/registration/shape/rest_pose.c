@@ -1,6 +1,5 @@
 /* rest_pose.c: the similarity that maps the rest shape onto the present positions, fitted when a registration or its
- * last radius starts. Tangential smoothing and fold repair use displacements from it, and it bounds the clusters'
- * size.
+ * last radius starts. Tangential smoothing and fold repair use displacements from it, and it bounds the clusters' size.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/deformed_shape.h"

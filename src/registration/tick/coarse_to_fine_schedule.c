@@ -2,11 +2,8 @@
  * goals are sought, whether x^r = x (plasticity.c), and the next finer radius (convergence.c, schedule_radius.c).
  * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
  * SPDX-License-Identifier: MIT */
-#include "registration/tick/coarse_to_fine_schedule.h"
-
-#include "options/dynamics/dynamics.h"
-#include "options/track/track.h"
 #include "registration/schedule_radius.h"
+#include "registration/tick/iteration_steps.h"
 
 #define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
 #define SMR_GROWN 1.25f     /* growth of a cloud's number of points at which a radius is repeated */

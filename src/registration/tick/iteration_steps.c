@@ -1,10 +1,9 @@
 /* iteration_steps.c: one registration iteration, in the order of the paper's section 2.3. The table lists the steps;
- * the functions above it pass results of one stage to the next. Only the last step makes new positions current.
+ * the functions above the table pass results of one stage to the next. Only the last step makes new positions current,
+ * so readers of positions always see a complete iteration.
  * SPDX-License-Identifier: MIT */
-#include "registration/tick/iteration_steps.h"
-
 #include "registration/schedule_radius.h"
-#include "registration/tick/iteration_commit.h"
+#include "registration/tick/iteration_steps.h"
 
 static void forces_end(smr *s)
 {
@@ -68,6 +67,47 @@ void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
     smr_triangles_refit(&s->shape, task, worker);
 }
 
+static uint32_t one_task(const void *stage) { return (void)stage, 1u; }
+
+/* Exchanges x and x_next, and makes all results of the iteration current. */
+void smr_commit(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    smr_shape *shape = &s->shape;
+    float *before = shape->x;
+    (void)task, (void)worker;
+    shape->x = shape->x_next;
+    shape->x_next = before;
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_put3(shape->normal, v, smr_next_normal(s->sums.sum, v));
+    if (smr_tracks(&s->schedule))
+        smr_track_rest_commit(shape);
+    if (smr_volumes_used(&s->volumes))
+        smr_volumes_commit(&s->volumes);
+    smr_folds_reset(&s->folds);
+    s->report.displacement_max_mm = s->evolve.moved_mm;
+    s->report.state_hash = s->evolve.hash;
+    s->schedule.iteration++;
+    s->schedule.radius_iteration++;
+    s->schedule.since_plastic++;
+    s->report.details.radius = s->schedule.radius; /* the next iteration may have another radius */
+    s->report.details.radius_iteration = s->schedule.repairing > 0u ? 0u : s->schedule.radius_iteration;
+    smr_schedule_next(s);
+    if (s->schedule.since_plastic == 0u)
+        smr_plastic_normals(shape);
+}
+
+void smr_abandon_iteration(smr *s)
+{
+    memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
+    smr_forces_reset(&s->forces);
+    smr_match_reset(&s->match);
+    smr_evolve_reset(&s->evolve);
+    smr_triangles_now(&s->shape);
+    smr_folds_reset(&s->folds);
+    s->step = s->next_task = 0;
+}
+
 /* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in
  * pieces. */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
@@ -100,12 +140,12 @@ const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of
     SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
     /* when x^r or the active vertices are new: centres, masses and spreads of the clusters */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
-    SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
-    SMR_STEP(PLAIN, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
-    SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, reference, smr_reference_block_tasks, smr_reference_forest,
+    SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
+    SMR_STEP(REFERENCE, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
+    SMR_CHAIN_STEP(REFERENCE, SUMS, LISTS, reference, smr_reference_block_tasks, smr_reference_forest,
                    smr_reference_block_pieces, smr_reference_block_abreast),
-    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
-    SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
+    SMR_SERIAL_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
+    SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
     SMR_STEP(PLAIN, SUMS, ACTIVE, sums, smr_sums_record_tasks, smr_sums_record, NULL),
     SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
@@ -138,7 +178,7 @@ const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
     SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_step_energy_tasks, smr_step_energy, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, smr_commit_tasks, smr_commit, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, one_task, smr_commit, NULL),
 };
 /* clang-format on */
 

@@ -1,4 +1,4 @@
-/* iteration_steps.h: the steps of an iteration in their order.
+/* iteration_steps.h: the steps of an iteration in their order, the schedule between iterations and the time budget.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ITERATION_STEPS_H
 #define SMR_ITERATION_STEPS_H
@@ -6,15 +6,14 @@
 #include "options/dynamics/dynamics.h"
 #include "options/track/track.h"
 
-/* What a step's time is proportional to: its tasks, active vertices, entries of the order L, or nothing known
- * beforehand. */
+/* What a step's time is proportional to: tasks, active vertices, entries of the order L; FOLDS: unknown beforehand. */
 enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 
-/* Whether a step's tasks run in any order or one after the other. */
+/* Order of a step's tasks: any, or one after the other. */
 enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
 
-/* Parts of an iteration, as bits: a configuration asks for some (parts_of() in layout.c). PLAIN is in every one. A step
- * of a part may still have no tasks in an iteration. */
+/* Parts of an iteration, as bits: the configuration decides which are in use (parts_of() in layout.c). PLAIN always is;
+ * steps of REFERENCE have tasks only in iterations with a new reference shape or other active vertices. */
 enum {
     SMR_PART_PLAIN = 1,
     SMR_PART_IMAGE = 2,
@@ -23,49 +22,70 @@ enum {
     SMR_PART_CONTACT = 16,
     SMR_PART_DYNAMICS = 32,
     SMR_PART_CALLER = 64,
+    SMR_PART_REFERENCE = 128,
     SMR_PART_HELD = SMR_PART_TRACK | SMR_PART_DYNAMICS
 };
 
-/* A step: n_tasks tasks (0: skipped), then one serial call of `end`. All functions but `end` get the stage's own
- * struct, which lies `stage` bytes from the registration's start. Where tasks are pieces of a larger task, `abreast`
- * of them are independent, and the next ones need their results. */
+/* A step: n_tasks tasks (0: the step is skipped), then one serial call of `end`. All functions but `end` get the
+ * stage's own struct. */
 typedef struct smr_step {
-    uint16_t part;        /* SMR_PART_...: the step is in iterations that have one of them */
+    uint16_t part;        /* SMR_PART_...: the step runs where one of these parts is in use */
     uint16_t phase;       /* SMR_PHASE_... */
-    uint16_t work, order; /* SMR_WORK_..., SMR_ANY_ORDER ... */
-    uint32_t stage;
+    uint16_t work, order; /* SMR_WORK_...; SMR_ANY_ORDER or SMR_SERIAL */
+    uint32_t stage;       /* offset of the stage's struct in the registration, bytes */
     uint32_t (*n_tasks)(const void *stage);
     smr_task run;
     void (*end)(smr *s);
-    /* called before the first task: whether to cut into pieces. NULL: never cut */
-    void (*pieces)(void *stage, int cut);
+    void (*pieces)(void *stage, int cut); /* before the first task: 1 cuts tasks into pieces. NULL: never cut */
+    /* number of pieces that are independent; the next pieces need their results. NULL: all are */
     uint32_t (*abreast)(const void *stage);
 } smr_step;
 
 extern const smr_step smr_steps[];
 extern const uint32_t smr_n_steps;
 
-/* Parts that this build has. A step of another one has no functions. */
+/* 1: this build has the part. A step of any other part has no functions. */
 #define SMR_HAS_PLAIN 1
+#define SMR_HAS_REFERENCE 1
 #define SMR_HAS_CALLER 1
 #define SMR_HAS_HELD (SMR_HAS_TRACK || SMR_HAS_DYNAMICS)
 
 static inline int smr_step_on(const smr *s, const smr_step *step) { return (step->part & s->shared.parts) != 0u; }
-
 static inline void *smr_stage_of(smr *s, const smr_step *step) { return (char *)s + step->stage; }
 
 /* The number of the step's tasks, which may grow while they run. */
 static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
 {
-    return smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
+    const int due = step->part != SMR_PART_REFERENCE || smr_reference_due(&s->reference);
+    return due && smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
 }
 
-void smr_refit_again(void *s, uint32_t task, uint32_t worker);
+void smr_refit_again(void *s, uint32_t task, uint32_t worker); /* step: updates triangles after fold steps */
+void smr_commit(void *s, uint32_t task, uint32_t worker);      /* last step: makes new positions current */
+int smr_forces_pending(const smr *s);        /* 1: the forces of the current iteration are not yet complete */
+int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
+uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 
-int smr_forces_pending(const smr *s);       /* 1: the forces of the current iteration are not yet complete */
-int smr_seeks_forces(const smr_step *step); /* 1: the step that searches for goals */
+/* Abandons the current iteration: x stays, and all results are discarded, starts of searches among them, since a
+ * replay does not know how far the iteration had come. */
+void smr_abandon_iteration(smr *s);
 
-/* Vertices whose goals were searched for so far in the current iteration. */
-uint32_t smr_forces_evaluated(const smr *s);
+/* coarse_to_fine_schedule.c: between iterations. */
+void smr_schedule_start(smr *s); /* starts at the first radius, from the present positions */
+void smr_schedule_begin(smr *s); /* before an iteration: chooses active vertices, search distances and momentum */
+void smr_schedule_next(smr *s);  /* after an iteration: plasticity, the next radius, or the end */
+
+/* time_budget.c: fits an iteration into a time budget. */
+void smr_budget_start(smr *s);                    /* sets all costs to unknown */
+void smr_budget_plan(smr *s, uint64_t budget_ns); /* called before an iteration */
+void smr_budget_resume(smr *s);                   /* called when a tick continues an iteration */
+void smr_budget_done(smr *s);                     /* called when an iteration is complete */
+/* 1: the remaining time is needed for the rest of the iteration */
+int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
+uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks,
+                          uint32_t group);                      /* predicted time of `group` tasks, ns; 0: unknown */
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns); /* adds the time between two readings */
+void smr_budget_learn(smr *s, uint32_t n_tasks);                /* called when the current step is complete */
 
 #endif

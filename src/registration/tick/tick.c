@@ -3,7 +3,6 @@
  * Bounds: those of the steps.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
-#include "registration/tick/coarse_to_fine_schedule.h"
 #include "registration/tick/iteration_steps.h"
 
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }

@@ -1,10 +1,9 @@
 /* time_budget.c: fits an iteration into a time budget. Each step's cost, in ns a unit of work, is learnt from the
  * port's clock. The search for goals runs in the order of priority and keeps in reserve the predicted cost of the
- * remaining steps. When the remaining time falls to the reserve, the remaining vertices are left out of this
- * iteration (paper 2.2, complexity tuning). All later steps depend only on the number of active vertices, so a cut
- * iteration has the same bits as one with that number set. If even the minimum set exceeds the budget, the iteration
- * spans several ticks and skips nothing. The same holds at the end of the schedule, where omissions could not be
- * made up.
+ * remaining steps. When the remaining time falls to the reserve, the remaining vertices are left out of this iteration
+ * (paper 2.2, complexity tuning). All later steps depend only on the number of active vertices, so a cut iteration has
+ * the same bits as one with that number set. If even the minimum set exceeds the budget, the iteration spans several
+ * ticks and skips nothing. The same holds at the end of the schedule, where omissions could not be made up.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_steps.h"

@@ -1,0 +1,126 @@
+/* cluster_match.h: shape matching of clusters (paper 2.2, 2.3). In: external forces, x, x^r, masses, the order L. Out:
+ * for each cluster sums of displacements, centre, mass and spread in x^r, and the transform T_i; for each vertex the
+ * sum of its clusters' transforms.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_CLUSTER_MATCH_H
+#define SMR_CLUSTER_MATCH_H
+
+#include "base/fixed_point.h"
+#include "geometry/rotation/rotation_logarithm.h"
+#include "registration/goals/external_forces.h"
+
+/* Sums Sigma_i(v) of paper 2.2. Moments of x^r, displacements and transforms are summed in turn. */
+typedef struct smr_sums {
+    const smr_shared *shared;
+    const smr_schedule *schedule;
+    const smr_forces *forces;
+    smr_tally *tally;
+    uint32_t *record; /* [n][SMR_WORDS] fixed-point record of each vertex */
+    uint32_t *sum;    /* [n][SMR_WORDS] sum of the records over the vertex' cluster */
+    float scale[2];   /* scales of the two kinds of quantities: stored = value * scale */
+    uint32_t words;   /* words in use: 6, 12 or 16 */
+    uint32_t pieces;  /* pieces of a block in the current step; 0 or 1: blocks are not cut */
+} smr_sums;
+
+/* The clusters in the reference shape, recomputed when x^r or the active vertices change. */
+typedef struct smr_reference {
+    const smr_shared *shared;
+    const smr_schedule *schedule;
+    const smr_shape *shape;
+    smr_sums *sums; /* sums the moments of x^r before the displacements */
+    smr_tally *tally;
+    uint32_t stale;      /* 1: x^r or the active vertices are new */
+    uint32_t missing;    /* 1: the arrays below must be recomputed after a restore */
+    float *centre;       /* [n][3] c^r of each cluster, mm */
+    float *spread;       /* [n][6] inverse inertia tensor (rigid) or covariance (polar), upper triangle */
+    float *cluster_mass; /* [n] mass M of the cluster. Centre, spread and M exist for active vertices' clusters only */
+    float *share;        /* [n] 1 / |zeta| over active members; 0 without members */
+    float coarse, fine;  /* steps, mm, to which x^r is rounded for spreads and for centres */
+    float per_coarse;    /* 1 / coarse, 1 / mm, exact */
+    float per_fine;      /* 1 / fine, 1 / mm. A vector division would divide by 0 in its unused lane */
+} smr_reference;
+
+typedef struct smr_match {
+    const smr_shared *shared;
+    const smr_schedule *schedule;
+    const smr_reference *reference;
+    const smr_sums *sums;
+    smr_tally *tally;
+    float *transform; /* [n][12] R - I row-major, t in mm; averaged by logarithms: the first 6 of 12 are a twist */
+    float *eigen;     /* [n][9] start values of the polar decomposition; NULL for the rigid method */
+    float largest[2]; /* largest entry of R - I or of the rotation vector; largest entry of t or of the rate, mm */
+} smr_match;
+
+/* Sums. Sets the number of words of the next sums, and their scales: values stay below these bounds. */
+void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
+uint32_t smr_method_words(const smr_shared *c); /* number of words of a displacement's record */
+uint32_t smr_sums_record_tasks(const void *sums);
+void smr_sums_record(void *sums, uint32_t task, uint32_t worker);
+uint32_t smr_block_tasks(const void *sums); /* a task sums along the order L: a block, or a piece of a block */
+uint32_t smr_block_abreast(const void *sums);
+void smr_block_pieces(void *sums, int cut);
+void smr_sums_forest(void *sums, uint32_t task, uint32_t worker);
+uint32_t smr_boundary_tasks(const void *sums); /* fractional weights near cluster boundaries, after the sums */
+void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_sums_at_once(smr_sums *s); /* sums the records over all clusters, between iterations */
+
+/* value / SMR_BOUNDARY_UNITS, rounded to nearest, for values within +-2^62. Its time does not depend on the sign. */
+static inline uint32_t smr_boundary_part(int64_t value)
+{
+    const uint64_t up = (uint64_t)1 << 62;
+    return (uint32_t)(((uint64_t)value + up + SMR_BOUNDARY_UNITS / 2) / SMR_BOUNDARY_UNITS) -
+           (uint32_t)(up / SMR_BOUNDARY_UNITS);
+}
+
+/* Reference: steps that run only where smr_reference_due(). */
+void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared);
+uint32_t smr_reference_tasks(const void *reference);
+void smr_reference_reach(void *reference, uint32_t task, uint32_t worker);
+void smr_reference_begin(smr_reference *r); /* chooses the rounding steps */
+uint32_t smr_reference_record_tasks(const void *reference);
+void smr_reference_record(void *reference, uint32_t task, uint32_t worker);
+uint32_t smr_reference_block_tasks(const void *reference);
+uint32_t smr_reference_block_abreast(const void *reference);
+void smr_reference_block_pieces(void *reference, int cut);
+void smr_reference_forest(void *reference, uint32_t task, uint32_t worker);
+uint32_t smr_reference_boundary_tasks(const void *reference);
+void smr_boundary_reference(void *reference, uint32_t task, uint32_t worker); /* tasks run one after the other */
+uint32_t smr_reference_cluster_tasks(const void *reference);
+void smr_reference_cluster(void *reference, uint32_t task, uint32_t worker);
+void smr_reference_end(smr_reference *r);
+
+/* Returns 1 when the reference is recomputed in this iteration. */
+static inline int smr_reference_due(const smr_reference *r) { return r->stale != 0u || r->missing != 0u; }
+
+/* Adds share / SMR_BOUNDARY_UNITS of the moments of vertex `from` to the sums of the cluster of vertex `to`. */
+void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share);
+
+/* Match: transforms of clusters, and their records for averaging. */
+void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
+void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
+uint32_t smr_match_cluster_tasks(const void *match);
+void smr_match_clusters(void *match, uint32_t task, uint32_t worker);
+void smr_match_end(smr_match *m); /* computes `largest` */
+uint32_t smr_average_tasks(const void *match);
+void smr_average_record(void *match, uint32_t task, uint32_t worker);
+
+static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.motion.fusing == SMR_FUSING_LIE; }
+
+/* Number of words of a transform's record; the last three hold t or the rate. */
+static inline uint32_t smr_transform_words(const smr_shared *shared) { return smr_blends_logs(shared) ? 6u : 12u; }
+
+/* The averaged twist of a vertex, from its sum of 6 words. inverse: 1 / sums.scale; share: 1 / |zeta_i|. */
+static inline smr_twist smr_average_twist(const uint32_t *w, const float inverse[2], float share)
+{
+    return (smr_twist){smr_scale(smr_unfix3(w, inverse[0]), share), smr_scale(smr_unfix3(w + 3, inverse[1]), share)};
+}
+
+/* The averaged transform of a vertex, from its sum of 12 words: Sum_i(T) / |zeta_i|. Returns t, mm. */
+static inline smr_vec smr_average_transform(const uint32_t *w, const float inverse[2], float share, float r_minus_i[9])
+{
+    for (uint32_t i = 0; i < 9u; i++)
+        r_minus_i[i] = smr_unfix(w[i], inverse[0]) * share;
+    return smr_scale(smr_unfix3(w + 9, inverse[1]), share);
+}
+
+#endif
