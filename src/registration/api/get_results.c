@@ -1,4 +1,4 @@
-/* get_results.c: reads positions, normals and figures of structures.
+/* get_results.c: reads positions, normals, reports and the state of the log.
  * SPDX-License-Identifier: MIT */
 #include "registration/registration.h"
 
@@ -25,7 +25,7 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
     return smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
 }
 
-/* Results of a structure's last complete forces, if they belong to its present target. */
+/* Fills in the results of a structure's last complete forces. */
 static void report_forces(const smr *s, const smr_shape_structure *one, smr_structure_report *report)
 {
     float sum = 0.0f, most = 0.0f;

@@ -1,10 +1,9 @@
-/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: to measure for smr_arena_bytes()
- * and to place for smr_init(). Until the arena is known to be large enough it works on a copy on the stack.
+/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: to measure for smr_arena_bytes(),
+ * and to place for smr_init(), on a copy on the stack until the arena is known to be large enough.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "registration/config/config.h"
 #include "registration/api/setup.h"
-#include "registration/tick/iteration_steps.h"
 
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes)
 {

@@ -1,12 +1,10 @@
-/* layout.c: divides the arena. The same code measures for smr_arena_bytes(), places for smr_init(), and lists what
- * smr_save() and smr_restore() keep: each stage names its slots and fields once.
+/* layout.c: divides the arena. The same code measures for smr_arena_bytes(), places for smr_init(), and lists the
+ * values of smr_save() and smr_restore(): each stage names its slots and fields once.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 #include "registration/config/config.h"
 
-#include "registration/tick/iteration_steps.h"
-
-/* What iterations consist of. */
+/* The parts of an iteration that model and configuration need. */
 static uint32_t parts_of(const smr_shared *shared)
 {
     const smr_config *const c = &shared->config;
@@ -68,7 +66,7 @@ smr *smr_layout(smr_arena *a, smr *s)
     return self;
 }
 
-/* What the sources of goals read beside the three views. */
+/* Sets the pointers of the sources of goals, besides shared, schedule and shape. */
 static void wire_sources(smr_forces *f, const smr_overlay *overlay)
 {
     f->image.found = f->found_last;

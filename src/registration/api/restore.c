@@ -1,14 +1,12 @@
-/* restore.c: restores a registration from saved bytes, which may come from anywhere: all are checked before anything
- * is written.
+/* restore.c: restores a registration from saved bytes, all of which are checked before anything is written.
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 #include "registration/config/config.h"
-#include "registration/tick/iteration_steps.h"
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 
-/* Bytes before the saved values; 0 when lengths disagree or the bytes are damaged. */
+/* Number of bytes before the saved values; 0 when lengths disagree or the bytes are damaged. */
 static size_t values_at(const unsigned char *saved, size_t bytes)
 {
     if (bytes < SMR_SAVED_FIXED + 4u || word_of(saved, SMR_SAVED_AT_MAGIC) != SMR_SAVED_MAGIC ||
@@ -39,7 +37,7 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
     return SMR_OK;
 }
 
-/* Reads the saved values. Returns 1 when all are in their ranges and none are left over. */
+/* Checks or restores the saved values. Returns 1 when all values are in range and no byte is left over. */
 static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t bytes)
 {
     smr_keeper k = {.mode = mode, .from = from, .at = values_at(from, bytes)};
@@ -64,7 +62,7 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     return smr_arena_bytes(model, config, &bytes);
 }
 
-/* Computes what follows from the saved values; the reference is recomputed in the next iteration. */
+/* Computes what follows from the saved values. The next iteration recomputes the reference. */
 static void derive(smr *s)
 {
     s->shape.start_box = smr_box_of(s->shape.start, s->shared.n);
@@ -95,7 +93,7 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
     if (status != SMR_OK)
         return status;
     smr_count(&s, model, config == NULL ? &info.config : config);
-    if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes)) /* a full build keeps more */
+    if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes)) /* a full build saves more */
         return smr_built_without()[0] == 0 ? SMR_E_SAVE : SMR_E_WITHOUT;
     status = smr_init(model, &s.shared.config, port, arena, bytes, &self);
     if (status != SMR_OK)

@@ -1,12 +1,12 @@
 /* restore_awaited_inputs.c: inputs that a restored registration waits for. Surfaces and the image belong to the caller,
- * so a save has only their checksums and which structures shared a surface. Until all are set again, ticks are refused.
- * Setting them is no new input: schedule, searches and log continue.
+ * so a save holds only checksums and which structures share a surface. Until all inputs are set again, ticks are
+ * refused. An awaited input is not a new input: schedule, searches and log continue.
  * Bounds: structures squared; one pass over an input.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
-/* An awaited input. The list holds the structures' surfaces, the image, the structures' goals of the caller, the
- * caller's force (checksum 1), and fixed surfaces. */
+/* An awaited input. The list holds: the surface of each structure, the image, the caller's goals of each structure, the
+ * caller's force (checksum 1), the fixed surfaces. */
 typedef struct awaited {
     uint32_t like;        /* the first structure with the same surface; SMR_NONE: no surface */
     uint32_t checksum[2]; /* low and high word of the checksum; 0: nothing is awaited */
@@ -46,7 +46,7 @@ static awaited present(const smr *s, uint32_t i)
     return w;
 }
 
-/* Returns 1 when the saved entry of structure i agrees with those before. first: start of the list. */
+/* Returns 1 when the saved entry of structure i agrees with the entries before. first: first byte of the list. */
 static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint32_t i)
 {
     const int known = (w->checksum[0] | w->checksum[1]) != 0u;
@@ -57,7 +57,7 @@ static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint3
     return !known && smr_le32(like) == w->like;
 }
 
-/* Saves a checksum of the list, which is 0 without that input. */
+/* Saves the checksum of entry `at` of the list; 0: the input is not set. */
 static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
 {
     awaited w = {SMR_NONE, {0, 0}};
@@ -68,7 +68,7 @@ static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
     s->n_awaited += (w.checksum[0] | w.checksum[1]) != 0u;
 }
 
-/* Saves the caller's goals, where the configuration has room for them. */
+/* Saves checksums of the caller's goals and force, where the configuration has room for them. */
 static void keep_caller(smr_arena *a, smr *s)
 {
     const smr_caller_goals *g = &s->forces.caller;
@@ -84,12 +84,11 @@ static void keep_caller(smr_arena *a, smr *s)
 
 void smr_keep_inputs(smr_arena *a, smr *s)
 {
-    awaited w;
     const smr_keeper *k = a->keeper;
     const size_t first = k->at;
     s->n_awaited = (uint32_t)smr_awaits_log(&s->log);
     for (uint32_t i = 0; i < s->shared.n_structures && !k->wrong; i++) {
-        w = k->mode == SMR_KEEP_SAVE ? present(s, i) : (awaited){SMR_NONE, {0, 0}};
+        awaited w = k->mode == SMR_KEEP_SAVE ? present(s, i) : (awaited){SMR_NONE, {0, 0}};
         smr_keep_words(a, &w.like, SMR_AWAITED_WORDS, UINT32_MAX);
         smr_keep_require(a, k->mode != SMR_KEEP_CHECK || k->wrong || consistent(k, first, &w, i));
         if (k->mode == SMR_KEEP_RESTORE)
@@ -176,13 +175,13 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
     return SMR_OK;
 }
 
-/* Takes the awaited input with this number in the list. */
+/* Takes the awaited input of entry `at`, which is then no longer awaited. */
 static smr_status take(smr *s, uint32_t at, uint64_t sum)
 {
     awaited *w = &list_of(s)[at];
     if ((w->checksum[0] | w->checksum[1]) == 0u || !is(w, sum))
         return SMR_E_INPUT;
-    w->checksum[0] = w->checksum[1] = 0; /* awaited once only */
+    w->checksum[0] = w->checksum[1] = 0;
     s->n_awaited--;
     return SMR_OK;
 }

@@ -1,4 +1,4 @@
-/* set_active.c: how many vertices take part, as the caller chooses.
+/* set_active.c: sets the number of active vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/registration.h"
 

@@ -1,4 +1,4 @@
-/* set_caller_goals.c: sets goals and forces of the caller.
+/* set_caller_goals.c: sets goals and the force that the caller supplies.
  * Bounds: one pass over a structure's goals.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
@@ -15,10 +15,10 @@ static int legal(const float *xyz, const float *weights, uint32_t n)
 
 smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const float *weights)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_changeable(s))
-        return SMR_E_STATE;
+    const smr_goals goals = {xyz, xyz != NULL ? weights : NULL};
+    const smr_status status = smr_settable(s, 1, 1);
+    if (status != SMR_OK)
+        return status;
     if (s->forces.caller.goals == NULL)
         return SMR_E_ARENA;
     if (structure >= s->shared.n_structures)
@@ -27,20 +27,19 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
     if (xyz != NULL && !legal(xyz, weights, n))
         return SMR_E_INPUT;
     if (s->n_awaited > 0u)
-        return s->await(s, SMR_LOG_GOALS, structure, &(smr_goals){xyz, xyz != NULL ? weights : NULL});
+        return s->await(s, SMR_LOG_GOALS, structure, &goals);
     s->forces.caller.calls = &smr_caller_all;
-    s->forces.caller.goals[structure] = (smr_goals){xyz, xyz != NULL ? weights : NULL};
+    s->forces.caller.goals[structure] = goals;
     smr_restart_forces(s, SMR_CHANGED_MOVED);
-    smr_log_note(&s->log, SMR_LOG_GOALS, structure, &s->forces.caller.goals[structure], n);
+    smr_log_note(&s->log, SMR_LOG_GOALS, structure, &goals, n);
     return SMR_OK;
 }
 
 smr_status smr_set_force(smr *s, smr_force force, void *ctx)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_changeable(s))
-        return SMR_E_STATE;
+    const smr_status status = smr_settable(s, 1, 1);
+    if (status != SMR_OK)
+        return status;
     if (s->forces.caller.force_output == NULL)
         return SMR_E_ARENA;
     if (s->n_awaited > 0u)

@@ -5,12 +5,10 @@
 
 smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!SMR_HAS_CONTACT)
-        return SMR_E_CONFIG;
-    if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
-        return SMR_E_STATE;
+    const int legal = surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface));
+    const smr_status status = smr_settable(s, SMR_HAS_CONTACT, legal);
+    if (status != SMR_OK)
+        return status;
     smr_contact *c = &s->forces.contact;
     if (c->fixed == NULL)
         return SMR_E_ARENA;

@@ -1,4 +1,4 @@
-/* set_image.c: the target image, as it is set.
+/* set_image.c: sets the target image.
  * Bounds: those of a start.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
@@ -22,8 +22,8 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
     if (volume == NULL && !s->forces.image.has_image)
         return SMR_OK;
     const int follows = smr_tracks(&s->schedule) && volume != NULL && s->forces.image.has_image;
-    if (follows && !SMR_HAS_PARTIAL) /* its field leads what an image does not hold */
-        return SMR_E_CONFIG;
+    if (follows && !SMR_HAS_PARTIAL)
+        return SMR_E_CONFIG; /* vertices without an image goal would need the field of occluded vertices */
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
     if (follows)

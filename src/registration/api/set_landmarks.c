@@ -4,19 +4,18 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/api/setup.h"
 
-#define SMR_ON_SURFACE 1.0e-3f /* mm: nearer points count as on the surface */
+#define SMR_ON_SURFACE 1.0e-3f /* mm: points nearer to the surface count as on the surface */
 
 static int legal(const smr *s, const smr_landmark *l)
 {
     const int weighs = l->hard == 1u || (l->hard == 0u && l->weight >= 0.001f && l->weight <= 1000.0f);
+    const int rests = l->vertex == SMR_NONE && smr_within3(smr_load(l->rest), SMR_COORD_MAX);
     if (!smr_within3(smr_load(l->place), SMR_COORD_MAX) || !weighs)
         return 0;
     if (l->structure == SMR_ALL)
-        return l->vertex == SMR_NONE && smr_within3(smr_load(l->rest), SMR_COORD_MAX);
-    if (l->structure >= s->shared.n_structures || s->shape.structure[l->structure].n_vertices == 0u)
-        return 0;
-    return l->vertex == SMR_NONE ? smr_within3(smr_load(l->rest), SMR_COORD_MAX)
-                                 : l->vertex < s->shape.structure[l->structure].n_vertices;
+        return rests;
+    const uint32_t n = l->structure < s->shared.n_structures ? s->shape.structure[l->structure].n_vertices : 0u;
+    return n > 0u && (rests || l->vertex < n);
 }
 
 static int same_point(const smr_landmark *a, const smr_landmark *b)
@@ -38,7 +37,7 @@ static int of_structure(const smr *s, uint32_t structure, uint32_t v)
     return structure == SMR_ALL || smr_model_owner(s->shared.model, v) == structure;
 }
 
-/* Binds a landmark to the nearest triangle at rest. Returns 0 when the structure has no triangles. */
+/* Binds a landmark to the nearest triangle of the rest shape. Returns 0 when the structure has no triangles. */
 static int bind_triangle(smr_bound_landmark *b, const smr *s, smr_vec p)
 {
     const smr_shared *c = &s->shared;
@@ -59,7 +58,7 @@ static int bind_triangle(smr_bound_landmark *b, const smr *s, smr_vec p)
     return least < SMR_FAR;
 }
 
-/* Finds the nearest vertices at rest, in ascending order of distance. */
+/* Lists the nearest vertices of the rest shape, at most `most`, in ascending order of distance. */
 static void find_near(smr_bound_landmark *b, const smr *s, uint32_t structure, uint32_t most)
 {
     float d2[SMR_LANDMARK_NEAR];

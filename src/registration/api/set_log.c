@@ -1,4 +1,4 @@
-/* set_log.c: the log's memory, as it is set.
+/* set_log.c: sets the memory of the log.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 

@@ -65,8 +65,8 @@ smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity)
 
 typedef struct moments {
     float mass, kinetic, height; /* mass, g; kinetic and potential energy, g mm^2 / s^2 */
-    smr_vec first;               /* sum of mass times position from the origin, g mm */
-    uint32_t n_pinned;
+    smr_vec first;               /* sum of mass times position, g mm */
+    uint32_t n_pinned;           /* number of pinned vertices */
 } moments;
 
 static void add_vertex(const smr *s, uint32_t v, moments *sum)
@@ -85,11 +85,9 @@ static void add_vertex(const smr *s, uint32_t v, moments *sum)
 /* Sums over each chunk, then over all chunks, which keeps rounding small. */
 static moments moments_of(const smr *s)
 {
-    moments all;
-    memset(&all, 0, sizeof all);
+    moments all = {0};
     for (uint32_t t = 0; t < s->shared.n_tasks; t++) {
-        moments one;
-        memset(&one, 0, sizeof one);
+        moments one = {0};
         for (uint32_t v = t * SMR_CHUNK; v < smr_chunk_end(&s->shared, t); v++)
             add_vertex(s, v, &one);
         all.mass += one.mass;

@@ -1,13 +1,13 @@
-/* set_start_pose.c: sets the start of a registration: the rest shape in a pose, or given positions.
+/* set_start_pose.c: sets the start positions of a registration: the rest shape in a pose, or given positions.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
 #include "registration/schedule_radius.h"
 #include "registration/tick/iteration_steps.h"
 
-#define SMR_FAR_OFF 500.0f /* distance from the origin, mm, from which on the origin is moved */
+#define SMR_FAR_OFF 500.0f /* distance of the model from the origin, mm, from which on the origin is moved */
 
-/* Moves the origin to the middle of a model far from it, by whole millimetres. */
+/* Moves the origin, by whole millimetres, to the middle of a model far from the origin. */
 static void centre_origin(smr *s)
 {
     const smr_box box = smr_box_of(s->shape.x, s->shared.n);

@@ -1,8 +1,8 @@
-/* set_targets.c: the surfaces and clouds that structures are drawn to.
+/* set_targets.c: sets the surfaces and clouds that structures are deformed onto.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
-/* Indexes that a surface needs: a cloud may grow. */
+/* Number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
@@ -26,7 +26,7 @@ uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_
     return slots;
 }
 
-/* Indexes needed if `structure` had this surface. */
+/* Number of entries in target_warm that are needed if `structure` had this surface. */
 static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
     uint32_t n_goals, n_tasks;
@@ -39,14 +39,13 @@ static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_s
     return slots;
 }
 
-/* Discards results of searches towards another surface. */
+/* Discards results of searches on the former surface. */
 static void forget_searches(smr_surface_goals *g, uint32_t structure)
 {
     for (uint32_t v = 0; v < g->shared->n; v++)
         if (structure == SMR_ALL || smr_model_owner(g->shared->model, v) == structure)
             g->warm[v] = SMR_NONE;
-    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
-        g->target_warm[j] = SMR_NONE;
+    smr_target_warm_clear(g);
     smr_pulls_clear(g);
     g->limit = 0.0f;
 }
@@ -62,8 +61,8 @@ void smr_take_goals(smr_surface_goals *g)
     }
 }
 
-/* Returns 1 when the cloud's points are the ones before, in the same order, perhaps with further ones: then nothing
- * has moved. Weights and normals may differ. Compares contents, since a replay may have another cloud. */
+/* Returns 1 when the cloud starts with the points of the former target in the same order, so no point has moved.
+ * Weights and normals may differ. Compares contents, since a replay may have another cloud. */
 static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
 {
     smr_points_then known = {0, 0};
@@ -112,12 +111,12 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
     if (structure != SMR_ALL && structure >= n_structures)
         return SMR_E_INPUT;
     const uint32_t n_slots = smr_target_slots(g->shared);
-    const int mesh = surface == NULL || !smr_is_cloud(surface); /* needs no slots where none attracts */
+    const int mesh = surface == NULL || !smr_is_cloud(surface); /* a mesh needs no slots without attraction */
     if (n_slots == 0u ? !mesh : slots_with(g, structure, surface) > n_slots)
         return SMR_E_ARENA;
-    const uint32_t first = structure == SMR_ALL ? 0u : structure;
-    const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
-    const int grown = only_grown(g, first, last, surface);
+    const uint32_t first = structure == SMR_ALL ? 0u : structure,
+                   last = structure == SMR_ALL ? n_structures : first + 1u;
+    const int grown = only_grown(g, first, last, surface); /* 1: searches start from their last results */
     for (uint32_t i = first; i < last; i++) {
         g->target[i].surface = surface;
         g->target[i].measured = 0;
@@ -125,30 +124,28 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
     smr_note_target(g, first, last);
     smr_forces_unmeasured(&s->forces);
     smr_take_goals(g);
-    if (grown) /* searches start from their last results */
+    if (grown)
         smr_pulls_clear(g);
     else
         forget_searches(g, structure);
     if (smr_visibility_on(g))
         smr_visibility_start(g);
     smr_tracking_changed(s, surface != NULL && !grown ? SMR_CHANGED_SHOWN : SMR_CHANGED);
-    /* an iteration with incomplete forces restarts them with the new goals; otherwise it ends with the old ones */
     if (smr_forces_pending(s))
-        s->step = s->next_task = 0;
+        s->step = s->next_task = 0; /* restarts the forces with the new goals; otherwise the old goals remain */
     return SMR_OK;
 }
 
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
-        return SMR_E_STATE;
+    smr_status status = smr_settable(s, 1, surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface)));
+    if (status != SMR_OK)
+        return status;
     if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.partial.coverage != SMR_COVERAGE_WHOLE)
         return SMR_E_CONFIG;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_SURFACE, structure, surface);
-    const smr_status status = smr_set_target(s, structure, surface);
+    status = smr_set_target(s, structure, surface);
     if (status == SMR_OK)
         smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
     return status;

@@ -1,25 +1,19 @@
-/* set_volume_ratio.c: which volumes are asked for, and what has become of them.
- * Bounds: a pass over the structures; for a report one over a structure's triangles, and one over all vertices where
- * config.contact.volume is 0.
+/* set_volume_ratio.c: sets the wanted volumes of structures, and reads the present ones.
+ * Bounds: a pass over the structures; to read, one over a structure's triangles and one over all vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
 smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!SMR_HAS_CONTACT)
-        return SMR_E_CONFIG;
-    if (!smr_ready(s))
-        return SMR_E_STATE;
+    const smr_status status = smr_settable(s, SMR_HAS_CONTACT, smr_ready(s));
+    if (status != SMR_OK)
+        return status;
     smr_kept_volume *kept = s->volumes.kept;
     const uint32_t n = s->shared.n_structures;
     if (kept == NULL)
         return SMR_E_ARENA;
-    if ((structure != SMR_ALL && structure >= n) ||
+    if ((structure != SMR_ALL && (structure >= n || !kept[structure].closed)) ||
         !(ratio >= SMR_VOLUME_RATIO_LEAST && ratio <= SMR_VOLUME_RATIO_MOST))
-        return SMR_E_INPUT;
-    if (structure != SMR_ALL && !kept[structure].closed)
         return SMR_E_INPUT;
     for (uint32_t i = 0; i < n; i++)
         if (structure == SMR_ALL || structure == i)

@@ -1,12 +1,13 @@
 /* caller_goals.c: goals and forces that the caller supplies. The caller's force is evaluated once for each chunk of
- * vertices, before goals are searched for. Its output is kept in an array, so that neither threads nor budgets
- * change the result.
+ * vertices, before goals are searched for. An array stores the output, so neither threads nor budgets change the
+ * result.
  * Bounds: one call for each SMR_CALLER_CHUNK active vertices, two calls where the force is checked.
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/caller_goals.h"
 
 #define SMR_OUTPUT_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 
+/* Computes the checksum of the force's output. */
 static void stand(smr_caller_goals *g)
 {
     g->summed = g->force != NULL;
@@ -38,7 +39,7 @@ static int legal(const chunk *c, uint32_t i)
            c->weight[i] <= SMR_CALLER_WEIGHT;
 }
 
-/* Stores the output of a call. Returns 0 when a value of it is not legal. */
+/* Stores the output of a call. Returns 0 when a value of the output is not legal. */
 static int keep(smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
 {
     int good = 1;
@@ -69,14 +70,9 @@ static void ask(smr_caller_goals *g, uint32_t task)
     const smr_model *model = g->shared->model;
     const uint32_t first = task * SMR_CALLER_CHUNK;
     const uint32_t n = smr_min_u32(g->schedule->n_active - first, SMR_CALLER_CHUNK);
-    const smr_force_view view = {n,
-                                 g->schedule->iteration,
-                                 g->schedule->lists.radius,
-                                 c.structure,
-                                 c.vertex,
-                                 c.xyz[0],
-                                 g->shape->normal + 3u * (size_t)first,
-                                 c.rest[0]};
+    const float *normal = g->shape->normal + 3u * (size_t)first;
+    const smr_force_view view = {
+        n, g->schedule->iteration, g->schedule->lists.radius, c.structure, c.vertex, c.xyz[0], normal, c.rest[0]};
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t v = first + i, owner = smr_model_owner(model, v);
         c.structure[i] = owner;
@@ -110,6 +106,7 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displaceme
     return weight;
 }
 
+/* Averages a displacement of this weight with the caller's displacements of v, mm. Returns the sum of the weights. */
 static float blend(const smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight)
 {
     smr_vec own = smr_v(0, 0, 0);

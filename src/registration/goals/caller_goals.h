@@ -11,13 +11,13 @@
 
 struct smr_caller_goals;
 
-/* What goals of the caller's own need in an iteration. The setters name it, so a program without them has none of
- * it. */
+/* Functions for the caller's goals in an iteration. Only the setters name them, so a program without the setters links
+ * none. */
 typedef struct smr_caller_calls {
-    void (*ask)(struct smr_caller_goals *g, uint32_t task);
-    /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of both weights */
+    void (*ask)(struct smr_caller_goals *g, uint32_t task); /* calls the caller's force for a chunk of vertices */
+    /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of the weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
-    void (*stand)(struct smr_caller_goals *g); /* sums up the force's output: forces are complete */
+    void (*stand)(struct smr_caller_goals *g); /* computes the output's checksum when forces are complete */
 } smr_caller_calls;
 
 extern const smr_caller_calls smr_caller_all;
@@ -28,15 +28,15 @@ typedef struct smr_caller_goals {
     const smr_schedule *schedule;
     const smr_shape *shape;
     /* written when the caller sets goals or a force */
-    smr_goals *goals; /* [n_structures]; NULL: config.caller.goals is 0 */
+    smr_goals *goals; /* [n_structures] goals of each structure; NULL: config.caller.goals is 0 */
     smr_force force;  /* the caller's function; NULL: none */
-    void *ctx;
-    float *force_output; /* [n][4] what the force gave: way, mm, and weight; NULL: config.caller.force is off */
-    uint32_t broken;     /* 1: the force returned illegal or varying values. Any thread sets it, atomically */
-    uint32_t summed;     /* 1: `sum` is the checksum of the current forces, which are complete */
-    uint64_t sum;        /* checksum of the force's output for active vertices */
-    /* checksum of the last completed iteration's output; 0: none. Written by the tick */
-    uint64_t reported_sum;
+    void *ctx;        /* first argument of `force` */
+    float
+        *force_output; /* [n][4] output of the force: displacement, mm, and weight; NULL: config.caller.force is off */
+    uint32_t broken;   /* 1: the force returned illegal or varying values. Any thread sets it, atomically */
+    uint32_t summed;   /* 1: the current forces are complete, and `sum` is their checksum */
+    uint64_t sum;      /* checksum of the force's output for active vertices */
+    uint64_t reported_sum; /* checksum of the last completed iteration's output; 0: none. Written by the tick */
 } smr_caller_goals;
 
 /* Returns 1 when the caller may give goals to vertices of the structure. */

@@ -1,10 +1,10 @@
 /* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the displacements that the sources of
- * goals give.
- * Bounds: one pass over the vertices, and those of the sources.
+ * goals give, and the displacements of contact.
+ * Bounds: one pass over the vertices; those of the sources; those of contact_detection.c for active vertices and, in
+ * some iterations, for triangles.
  * SPDX-License-Identifier: MIT */
-#include "registration/goals/external_forces.h"
-
 #include "base/fixed_point.h"
+#include "registration/goals/external_forces.h"
 
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
 {
@@ -33,7 +33,7 @@ void smr_forces_unmeasured(smr_forces *f)
     f->matched = -1.0f;
 }
 
-/* Updates the largest values of the quantities that the cluster sums will round. */
+/* Updates a task's largest values of the two kinds of quantities that the cluster sums will round. */
 static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
 {
     const smr_vec ref = smr_get3(f->shape->x_ref, v),
@@ -70,9 +70,8 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
     for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec displacement;
-        /* prefetch: reading voxels takes as long as the work on a vertex */
         if (looks && v + 1u < n_active)
-            smr_image_ahead(&f->image, v + 1u);
+            smr_image_ahead(&f->image, v + 1u); /* prefetch: reading voxels takes as long as the work on a vertex */
         f->found[v] = smr_sources_goal(f, v, &displacement);
         smr_put3(f->force, v, displacement);
     }
@@ -95,7 +94,7 @@ static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *ta
 
 uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
 
-/* Turns displacements into forces. The number of active vertices is final here. */
+/* The number of active vertices is final here. */
 void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
 {
     smr_forces *f = arg;
@@ -121,13 +120,51 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
+/* The displacement of v by the goal's force and momentum, without contact, mm. */
+static smr_vec requested_displacement(const void *arg, uint32_t v)
+{
+    const smr_forces *f = arg;
+    if (!smr_active(f->schedule, v))
+        return smr_v(0, 0, 0);
+    const float share = f->shared->config.forces.stiffness * f->schedule->gain * smr_forces_ease(f, v);
+    return smr_add(smr_scale(smr_get3(f->force, v), share), smr_momentum(f, v));
+}
+
+uint32_t smr_contact_tasks(const void *arg)
+{
+    const smr_forces *f = arg;
+    if (!smr_contact_on(&f->contact))
+        return 0;
+    return smr_ceil_div(f->schedule->n_active, SMR_CONTACT_CHUNK) +
+           (f->contact.triangles_due ? smr_ceil_div(f->shared->n_triangles, SMR_CONTACT_CHUNK) : 0u);
+}
+
+void smr_contact_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_forces *f = arg;
+    (void)worker;
+    const uint32_t n_tasks = smr_ceil_div(f->schedule->n_active, SMR_CONTACT_CHUNK);
+    if (task >= n_tasks) {
+        const uint32_t first = (task - n_tasks) * SMR_CONTACT_CHUNK;
+        for (uint32_t k = first; k < smr_min_u32(first + SMR_CONTACT_CHUNK, f->shared->n_triangles); k++)
+            smr_contact_find_triangle(&f->contact, k);
+        return;
+    }
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_CONTACT_CHUNK, f->schedule->n_active);
+    for (uint32_t v = task * SMR_CONTACT_CHUNK; v < last; v++) {
+        smr_contact_find(&f->contact, v);
+        smr_put3(f->contact.push, v, smr_contact_displacement(&f->contact, v, requested_displacement, f));
+    }
+}
+
+/* Share of the searched vertices that have a goal; -1: no vertex was searched. */
 static float share_of(uint32_t n_forces, uint32_t n_rejected)
 {
     const uint32_t all = n_forces + n_rejected;
     return all > 0u ? (float)n_forces / (float)all : -1.0f;
 }
 
-/* Share of a structure's vertices with a goal in the last complete forces; -1: none was searched for. */
+/* share_of() a structure in the last complete forces. */
 static float share_in_last(const smr_forces *f, uint32_t structure)
 {
     const smr_shape_structure *one = &f->shape->structure[structure];
@@ -150,8 +187,8 @@ float smr_forces_matched(const smr_forces *f, uint32_t structure)
     return share_in_last(f, structure);
 }
 
-/* 1: the search in the image ends for this structure. What its last one found is kept: later iterations find nothing
- * for they do not look. Reads found_last, which is still that of the forces before. */
+/* Returns 1 when a structure is no longer searched for in the image. Stores the matched share of its last search, from
+ * found_last, which still holds the results of the forces before. */
 static int note_idle(smr_forces *f, uint32_t structure)
 {
     smr_image_structure *view = &f->image.structure[structure];
@@ -176,8 +213,8 @@ static void note_matched(smr_forces *f)
     f->unmeasured = 0;
 }
 
-/* Dynamics: a closer bound on cluster sums. Pinned vertices weigh more than all others together, so the sum of the
- * chunks' largest values may be smaller than the largest value times the cluster size. */
+/* Dynamics: a closer bound on cluster sums. A pinned vertex weighs more than all other vertices together, so the sum of
+ * the chunks' largest values may be smaller than the largest value times the cluster size. */
 static void bound_closely(const smr_forces *f, float largest[2])
 {
     for (uint32_t kind = 0; kind < 2u; kind++) {
@@ -190,33 +227,27 @@ static void bound_closely(const smr_forces *f, float largest[2])
 
 void smr_forces_end(smr_forces *f)
 {
-    smr_tally all;
-    memset(&all, 0, sizeof all);
+    smr_force_totals all = {0};
+    float sum = 0.0f, sum2 = 0.0f;
     for (uint32_t t = 0; t < f->shared->n_tasks; t++) {
         const smr_tally *one = &f->tally[t];
-        all.forces.sum += one->forces.sum;
-        all.forces.sum2 += one->forces.sum2;
-        all.forces.max = smr_max(all.forces.max, one->forces.max);
-        all.forces.n_forces += one->forces.n_forces;
-        all.forces.n_rejected += one->forces.n_rejected;
-        all.forces.n_with_target += one->forces.n_with_target;
-        all.forces.largest[0] = smr_max(all.forces.largest[0], one->forces.largest[0]);
-        all.forces.largest[1] = smr_max(all.forces.largest[1], one->forces.largest[1]);
+        sum += one->forces.sum;
+        sum2 += one->forces.sum2;
+        all.max = smr_max(all.max, one->forces.max);
+        all.n_forces += one->forces.n_forces;
+        all.n_rejected += one->forces.n_rejected;
+        all.n_with_target += one->forces.n_with_target;
+        all.largest[0] = smr_max(all.largest[0], one->forces.largest[0]);
+        all.largest[1] = smr_max(all.largest[1], one->forces.largest[1]);
     }
     if (f->shared->mass != NULL)
-        bound_closely(f, all.forces.largest);
-    const float n = all.forces.n_forces > 0u ? (float)all.forces.n_forces : 1.0f;
-    const float mean = all.forces.sum / n, square = all.forces.sum2 / n;
-    f->totals = (smr_force_totals){all.forces.n_with_target,
-                                   all.forces.n_forces,
-                                   all.forces.n_rejected,
-                                   mean,
-                                   SMR_SQRT(square),
-                                   all.forces.max,
-                                   {all.forces.largest[0], all.forces.largest[1]}};
-    f->surface.limit = smr_reject_limit(&f->shared->config, f->totals.n_forces, mean, square);
+        bound_closely(f, all.largest);
+    const float n = all.n_forces > 0u ? (float)all.n_forces : 1.0f, square = sum2 / n;
+    all.mean = sum / n;
+    all.rms = SMR_SQRT(square);
+    f->totals = all;
+    f->surface.limit = smr_reject_limit(&f->shared->config, all.n_forces, all.mean, square);
     note_matched(f);
-    /* up to here a new target could have restarted the forces */
-    memcpy(f->found_last, f->found, f->shared->n);
+    memcpy(f->found_last, f->found, f->shared->n); /* until here a new target could have restarted the forces */
     smr_sources_commit(f);
 }

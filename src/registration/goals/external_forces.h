@@ -1,5 +1,5 @@
-/* external_forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: the
- * force on each vertex and what was found for it. Each source of goals has its own file and struct.
+/* external_forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: for
+ * each vertex the force and the result of the search. Each source of goals has its own file and struct.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_EXTERNAL_FORCES_H
 #define SMR_EXTERNAL_FORCES_H
@@ -14,7 +14,7 @@ typedef struct smr_force_totals {
     uint32_t n_with_target; /* active vertices with a target */
     uint32_t n_forces;      /* active vertices with a goal */
     uint32_t n_rejected;    /* active vertices with a target but without a goal */
-    float mean, rms, max;   /* distance to the goal over all vertices with a goal, mm */
+    float mean, rms, max;   /* residual over all active vertices with a goal, mm */
     float largest[2];       /* bounds on the two kinds of quantities that the cluster sums add */
 } smr_force_totals;
 
@@ -32,34 +32,34 @@ typedef struct smr_forces {
     smr_contact contact;
     smr_tally *tally;
     float *force;        /* [n][3] force, mm; during the search: displacement to the goal, mm */
-    float *residual;     /* [n] distance to the goal, mm, for vertices with a goal */
+    float *residual;     /* [n] residual of each vertex with a goal, mm */
     uint8_t *found;      /* [n] SMR_FOUND_... of the current forces */
     uint8_t *found_last; /* [n] SMR_FOUND_... of the last complete forces */
     smr_force_totals totals;
-    float matched;       /* as smr_tick_report.details.matched_share */
-    uint32_t unmeasured; /* 1: no complete forces since a target, the image or positions were set */
+    float matched;       /* share of searched vertices that have a goal; -1: not searched */
+    uint32_t unmeasured; /* 1: no forces were completed since a target, the image or positions were set */
 } smr_forces;
 
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
-void smr_forces_reset(smr_forces *f); /* called when an iteration is abandoned: discards all results of its forces */
+void smr_forces_reset(smr_forces *f);      /* discards the results of the forces of an abandoned iteration */
 void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
-/* Share of a structure's vertices with a goal in the last search; -1: not yet searched with this target. */
+/* Share of a structure's searched vertices that had a goal in the last search; -1: not yet searched with this
+ * target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
 uint32_t smr_forces_tasks(const void *forces);
-/* step: displacements to goals; the most expensive step */
-void smr_forces_search(void *forces, uint32_t task, uint32_t worker);
-/* The share of the force that is left, 0..1. It falls for what follows an image, but not near a hard landmark. */
+void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* step: displacements to goals */
+/* Share of its force that a vertex gets, 0..1. Falls at the end for vertices with image goals far from hard
+ * landmarks. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
 uint32_t smr_contact_tasks(const void *forces);
-/* step: contacts and the displacements that they add */
-void smr_contact_search(void *forces, uint32_t task, uint32_t worker);
+void smr_contact_search(void *forces, uint32_t task, uint32_t worker); /* step: contacts and their displacements */
 uint32_t smr_forces_take_tasks(const void *forces);
 void smr_forces_take(void *forces, uint32_t task, uint32_t worker); /* step: turns displacements into forces */
-void smr_forces_end(smr_forces *f); /* totals of the forces, and the input of the next ones */
+void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results that the next forces start from */
 
-/* Momentum: a share of the last iteration's displacement (Polyak 1964). Valid until evolve overwrites x_next, which
+/* Momentum, mm: a share of the last iteration's displacement (Polyak 1964). Valid until evolve overwrites x_next, which
  * holds the positions before x. */
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
 {
@@ -67,8 +67,8 @@ static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
     return smr_scale(step, f->schedule->repairing > 0u ? 0.0f : f->schedule->momentum * f->schedule->fade);
 }
 
-/* The displacement that matching sees: x + f^e - x^r, and momentum. In dynamics forces act on the vertices, not on the
- * clusters' fits: `from` - x^r. */
+/* The displacement from x^r that the match fits, mm: x + f^e - x^r plus momentum. In dynamics forces act on vertices,
+ * not on the fits: `from` - x^r. */
 static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 {
     const smr_vec x = smr_get3(f->shape->x, v);
@@ -78,17 +78,16 @@ static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
     return smr_add(u, smr_momentum(f, v));
 }
 
-/* goal_priority.c: the sources of goals. A further one has its struct in smr_forces and its lines there. */
-int smr_inputs_valid(const smr_forces *f); /* 1: every surface is still the one that was set */
+/* goal_priority.c: the sources of goals. A further source has its struct in smr_forces and its lines in that file. */
+int smr_inputs_valid(const smr_forces *f); /* 1: no target or fixed surface has changed since it was set */
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_sources_reset(smr_forces *f);
-void smr_sources_commit(smr_forces *f); /* the forces under way are complete: the next ones start from them */
+void smr_sources_commit(smr_forces *f); /* called when the current forces are complete */
+void smr_sources_drop(smr_forces *f,
+                      uint32_t v); /* clears the pulls on an unused vertex: none act in the next iteration */
 
-/* Clears the pulls on a vertex without a target, so that they do not act in the next iteration. */
-void smr_sources_drop(smr_forces *f, uint32_t v);
-
-/* The way from v to its goal, mm: the average over all sources by weight, where one on a target weighs 1. Returns
- * SMR_FOUND_... */
+/* The displacement from v to its goal, mm: the mean over all sources by weight; a goal on a target has weight 1.
+ * Returns SMR_FOUND_... */
 uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement);
 
 #endif

@@ -1,5 +1,5 @@
-/* goal_priority.c: which target wins at a vertex. A structure with a target surface follows it, every other one the
- * image, and what neither shows a smooth field; goals of the caller's own are averaged with that by weight.
+/* goal_priority.c: the goal of a vertex, by priority: the structure's target surface or cloud; else the image; a smooth
+ * field for vertices that are not visible. Goals of the caller are averaged with that goal by weight.
  * Bounds: those of the sources.
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/external_forces.h"
@@ -16,7 +16,7 @@ void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
         smr_landmark_goals_layout(a, &f->landmarks, shared);
     if (SMR_HAS_IMAGE)
         smr_image_goals_layout(a, &f->image, shared);
-    if (shared->config.caller.goals != 0u) /* set again after a restore: restore_awaited_inputs.c */
+    if (shared->config.caller.goals != 0u)
         f->caller.goals = smr_slot_scratch(a, f->caller.goals, shared->n_structures, sizeof *f->caller.goals);
     if (shared->config.caller.force != SMR_CALLER_OFF)
         f->caller.force_output = smr_slot_scratch(a, f->caller.force_output, shared->n, 4u * sizeof(float));
@@ -38,7 +38,7 @@ void smr_sources_reset(smr_forces *f)
         smr_contact_reset(&f->contact);
 }
 
-/* What targets showed of each vertex, for landmarks between them. */
+/* Stores the visibility of each active vertex for the landmarks. */
 static void note_visible(smr_forces *f)
 {
     for (uint32_t v = 0; v < f->schedule->n_active; v++) {
@@ -78,14 +78,14 @@ void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &displacement);
 }
 
-/* Weight of goals in the image beside those on a surface. rest: the image shows what the surface does not. */
+/* Weight of a vertex' image goal beside its surface goal. rest: the image shows vertices that the surface does not. */
 static float weight_beside(const smr_forces *f, int rest)
 {
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
     return rest ? 1.0f : looks ? f->shared->config.image.beside * f->schedule->fade : 0.0f;
 }
 
-/* The way to a goal on a mesh or a cloud, and how far the target shows the vertex. */
+/* The displacement to a goal on a mesh or a cloud, mm; also judges the vertex' visibility. Returns 0 without a goal. */
 static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
 {
     smr_surface_goals *g = &f->surface;
@@ -119,7 +119,7 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     return weight > 0.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement while the image is outdated: the field carries what was found in it along with newer targets. */
+/* The displacement while the image is outdated, mm: the field moves its goals along with newer targets. */
 static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     smr_image_keep(&f->image, v);
@@ -127,8 +127,7 @@ static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
     return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
 }
 
-/* The displacement to an image goal, or the smoothing displacement where there is none. Goals are kept after the
- * search has ended. */
+/* The displacement to an image goal, or without one the smoothing displacement, mm. */
 static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     if (smr_field_of_past(&f->occluded))
@@ -152,7 +151,7 @@ static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
     return found;
 }
 
-/* The displacement of a vertex without a target of its own: it follows landmarks, if any are set. */
+/* The displacement of a vertex without target and image, mm: the vertex follows landmarks, if any are set. */
 static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     smr_sources_drop(f, v);
@@ -162,16 +161,15 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
     return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The way to the vertex' goal on its own target; 0 for none. A vertex without triangles lies on no surface and follows
+/* The displacement to the goal of a vertex without the caller's goals, mm; 0: none. A vertex without triangles follows
  * neither surface nor image. */
 static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
     const int image = smr_image_on(&f->image);
     *displacement = smr_v(0, 0, 0);
-    /* discards results of forces that were restarted after a surface was set or removed */
     if (image)
-        smr_image_forget(&f->image, v);
+        smr_image_forget(&f->image, v); /* the result of forces that were restarted with another surface */
     if (smr_visibility_on(&f->surface))
         f->surface.visibility_next[v] = 0;
     if (drawn->surface == NULL && !image)

@@ -30,6 +30,7 @@ uint32_t smr_reference_record_tasks(const void *arg) { return smr_match_tasks(((
 uint32_t smr_reference_block_tasks(const void *arg) { return smr_block_tasks(((const smr_reference *)arg)->sums); }
 uint32_t smr_reference_block_abreast(const void *arg) { return smr_block_abreast(((const smr_reference *)arg)->sums); }
 void smr_reference_block_pieces(void *arg, int cut) { smr_block_pieces(((smr_reference *)arg)->sums, cut); }
+
 uint32_t smr_reference_cluster_tasks(const void *arg)
 {
     return smr_ceil_div(((const smr_reference *)arg)->shared->n, SMR_MATCH_CHUNK);

@@ -1,21 +1,18 @@
-/* enclosed_volume.c: the signed volume within closed triangles, as a sum of cones (Zhang and Chen 2001), and its
- * change while vertices move along their normals, which is a cubic. The cones' apex lies within the structure, which
- * limits rounding errors. Pieces of triangles are summed first, then the pieces.
+/* enclosed_volume.c: the signed volume within closed triangles as a sum of cones (Zhang and Chen 2001), and its change,
+ * a cubic, while vertices move along their normals. The cones' apex lies within the structure, which limits rounding.
  * Bounds: one pass over a structure's triangles; SMR_APEX_VERTICES vertices; SMR_NEWTON steps.
  * SPDX-License-Identifier: MIT */
-#include "registration/shape/enclosed_volume.h"
-
-#include "geometry/surface/mesh.h"
 #include "geometry/box_tree/triangle.h"
+#include "geometry/surface/mesh.h"
+#include "registration/shape/enclosed_volume.h"
 
 #define SMR_SIXTH (1.0f / 6.0f)
 #define SMR_APEX_VERTICES 64u /* most vertices whose mean is the apex */
 #define SMR_THIN 1.0e-3f      /* mm: a thinner structure has no volume */
-/* determinant of a covariance matrix with largest entry 1: below it the orientation is undefined */
-#define SMR_FLAT 1.0e-6f
-#define SMR_NEWTON 12u /* Newton steps; the cubic is nearly linear in its range */
+#define SMR_FLAT 1.0e-6f      /* least determinant of a covariance with largest entry 1 that has an orientation */
+#define SMR_NEWTON 12u        /* Newton steps; the cubic is nearly linear in its range */
 
-/* The position of a vertex in xyz [n][3]; NULL: at rest. */
+/* The position of a vertex in xyz [n][3], mm; NULL: in the rest shape. */
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)
 {
     return xyz != NULL ? smr_get3(xyz, v) : smr_rest(shape->shared, v);
@@ -49,7 +46,7 @@ float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most)
     for (uint32_t i = 0; i < SMR_NEWTON; i++) {
         const float slope = e->c[1] + t * (2.0f * e->c[2] + 3.0f * t * e->c[3]);
         if (!(smr_abs(slope) > 1.0e-3f * smr_abs(e->c[1])))
-            return 0.0f; /* no volume nearby, or no volume at all */
+            return 0.0f; /* no displacement gives the volume */
         const float now = e->c[0] + t * (e->c[1] + t * (e->c[2] + t * e->c[3]));
         t = smr_clamp(t + (volume - now) / slope, -most, most);
     }
@@ -72,7 +69,7 @@ float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x)
     const smr_shape_structure *one = &shape->structure[structure];
     const smr_vec apex = smr_cone_apex(shape, structure, x);
     const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
-    float sum = 0.0f;
+    float sum = 0.0f; /* of chunks, which keeps rounding small */
     for (uint32_t k = first; k < last; k += SMR_TRIANGLE_CHUNK)
         sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), apex, x);
     return sum;

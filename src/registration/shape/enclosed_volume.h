@@ -1,20 +1,19 @@
-/* enclosed_volume.h: the volume that closed triangles enclose, and its change while vertices move along their
- * normals. In: triangles, positions. Out: the volume, or that there is none.
+/* enclosed_volume.h: the volume that closed triangles enclose, and its change while vertices move along their normals.
+ * In: triangles, positions. Out: volumes.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ENCLOSED_VOLUME_H
 #define SMR_ENCLOSED_VOLUME_H
 
 #include "registration/shape/deformed_shape.h"
 
-/* Volume after each vertex moves t mm along its normal: c[0] + c[1] t + c[2] t^2 + c[3] t^3, mm^3. Negative when
+/* Volume after each vertex has moved t mm along its normal: c[0] + c[1] t + c[2] t^2 + c[3] t^3, mm^3. Negative when
  * triangles face inwards. c[1] is about the area, mm^2. */
 typedef struct smr_enclosed {
     float c[4];
 } smr_enclosed;
 
-/* The apex of the cones: mean of some vertices of the structure at xyz [n][3] (NULL: at rest). */
+/* The apex of the cones, mm: mean of some vertices of the structure at xyz [n][3] (NULL: rest shape). */
 smr_vec smr_cone_apex(const smr_shape *shape, uint32_t structure, float *xyz);
-
 /* The volume of the cone over a triangle with its apex at 0. at, normal: positions and normals of the corners. */
 smr_enclosed smr_cone(const smr_vec at[3], const smr_vec normal[3]);
 
@@ -25,20 +24,14 @@ static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
     return a;
 }
 
-/* The displacement along the normals that gives this volume, mm, within +-most. */
+/* The displacement of all vertices along their normals that gives this volume, mm, within +-most. */
 float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most);
-
-/* The volume of a structure with its vertices at x [n][3] (NULL: at rest), mm^3. */
+/* The volume of a structure with its vertices at x [n][3] (NULL: rest shape), mm^3. */
 float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
-
-/* Returns 1 when the structure's rest shape is closed; then *mm3 is its volume and *thick_mm its volume over its
- * area. */
+/* Returns 1 when the structure's rest shape is closed. *mm3: its volume; *thick_mm: its volume over its area. */
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
-
 /* Scale of the similarity that maps the whole model's rest shape onto the start positions. */
 float smr_start_scale(const smr_shape *shape);
-
-/* Returns 1 when the start positions are mirrored. */
-int smr_start_mirrored(const smr_shape *shape);
+int smr_start_mirrored(const smr_shape *shape); /* 1: the start positions are a mirror image of the rest shape */
 
 #endif

@@ -1,9 +1,8 @@
-/* overlaid_memory.h: memory that several stages use, one after the other. Everything that lies over something else is
- * here.
+/* overlaid_memory.h: memory that several stages use, one after the other.
  *
- *   memory          steps of an iteration, in order                           what it holds
- *   record          smr_restore() -> the last input is set again              checksums of what is waited for
- *   record          fill -> forces                                            rings: middle of mesh neighbours
+ *   memory          steps of an iteration, in order                           contents
+ *   record          smr_restore() -> the last input is set again              checksums of awaited inputs
+ *   record          fill -> forces                                            rings: mean of mesh neighbours
  *                   point spread -> forces                                    spread: pulls of a cloud's points
  *                   smoothing -> forces are taken                            rings: mesh neighbours' positions
  *                   reference records -> their sums                           moments of x^r
@@ -14,20 +13,20 @@
  *   sum             field of occluded vertices -> forces                      controls, factor and coefficients
  *                   reference records -> average                              sums over clusters
  *   sum, words 12+  evolve -> end of the iteration                            next normals (below)
- *   tally           within each step and its end                              what a task leaves for the step's end;
+ *   tally           within each step and its end                              results of tasks for the step's end;
  *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of edges
  *   x_next          end of the iteration -> evolve                            the positions before x (deformed_shape.h)
- *                   evolve -> end of the iteration                            the positions under way
+ *                   evolve -> end of the iteration                            positions of the current iteration
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_OVERLAID_MEMORY_H
 #define SMR_OVERLAID_MEMORY_H
 
 #include "registration/shape/schedule_state.h"
 
-/* Results that a task leaves for the end of its step; reduced in task order. */
+/* Results of a task for the end of its step, which reduces the results in task order. */
 typedef union smr_tally {
     struct {
-        float sum, sum2, max; /* of the residuals, mm */
+        float sum, sum2, max; /* sum, mm, sum of squares, mm^2, and maximum, mm, of the residuals */
         float largest[2];     /* largest values of the two kinds of summed quantities */
         uint32_t n_forces, n_rejected, n_with_target;
     } forces;
@@ -38,12 +37,12 @@ typedef union smr_tally {
         uint32_t index; /* first index of the block's next piece */
     } sums;
     struct {
-        float largest[2]; /* largest entry of R - I, and of t in mm */
+        float largest[2]; /* largest entry of R - I; largest entry of t, mm */
     } match;
     struct {
-        float moved2; /* largest squared displacement, mm^2 */
-        float moved;  /* sum of displacements, mm, where the configuration needs it */
-        uint64_t hash;
+        float moved2;  /* largest squared displacement, mm^2 */
+        float moved;   /* sum of displacements, mm, where the configuration needs it */
+        uint64_t hash; /* sum of the hashes of the vertices */
     } evolve;
     struct {
         uint32_t n_bent; /* dihedral edges that fold or must be limited */
@@ -56,17 +55,16 @@ typedef struct smr_rings {
     float *sum;          /* [n][3] sum over the mesh neighbours */
     float *weight;       /* [n] weight of the sum */
     float *displacement; /* [n][3] tangential smoothing: displacement from the rest shape in its pose, mm */
-    float *requested;    /* [n] fold limit: largest share that an edge requests of the vertex; over displacement */
+    float *requested;    /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
 } smr_rings;
 
-/* Adds value [n][3] of a triangle's corners to the sums of the other two. A neighbour counts once for each shared
- * triangle. */
+/* Adds the value [n][3] of each corner of triangle t to the sums of the other two corners. A mesh neighbour counts once
+ * for each shared triangle. */
 static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const float *value)
 {
     float *const sum = rings->sum, *const weight = rings->weight;
     float *const p = sum + 3u * (size_t)t[0], *const q = sum + 3u * (size_t)t[1], *const r = sum + 3u * (size_t)t[2];
-    const smr_vec a = smr_get3(value, t[0]), b = smr_get3(value, t[1]);
-    const smr_vec c = smr_get3(value, t[2]);
+    const smr_vec a = smr_get3(value, t[0]), b = smr_get3(value, t[1]), c = smr_get3(value, t[2]);
     smr_store(p, smr_add(smr_load(p), smr_add(b, c)));
     smr_store(q, smr_add(smr_load(q), smr_add(c, a)));
     smr_store(r, smr_add(smr_load(r), smr_add(a, b)));
@@ -75,7 +73,7 @@ static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const
     weight[t[2]] += 2.0f;
 }
 
-/* Pulls of a cloud while they are smoothed over the mesh, in the memory of the records behind the rings. */
+/* Pulls of a cloud during their smoothing over the mesh, in the memory of the records behind the rings. */
 typedef struct smr_spread {
     float *pull;  /* [n][4] sum of the pulls, mm, and weight */
     float *next;  /* [n][4] sum over the neighbours in the current round */
@@ -90,7 +88,7 @@ typedef struct smr_overlay {
     smr_tally *tally; /* [n_tallies] results of tasks */
 } smr_overlay;
 
-/* Places the memory. n_sum: fewest words of `sum`. */
+/* Places the memory. words: words of a record; n_sum: fewest words of `sum`. */
 static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, uint32_t words, size_t n_sum,
                                       uint32_t n_tallies)
 {
@@ -109,9 +107,8 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->spread.count = o->spread.next + 4u * (size_t)n;
 }
 
-/* A vertex' next normal, from evolve until the iteration stands: it lies in words of its sum that averaging does not
- * use. sum: smr_overlay.sum. */
-#define SMR_NEXT_NORMAL 12u /* first word of the next normal */
+/* The next normal of a vertex, from evolve until the iteration is complete. sum: smr_overlay.sum. */
+#define SMR_NEXT_NORMAL 12u /* first word of the next normal in the vertex' sum: averaging uses the words before */
 
 static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v)
 {

@@ -1,4 +1,4 @@
-/* schedule_state.h: what all stages of a registration share: constants, and the state of the schedule.
+/* schedule_state.h: constants, model, configuration and schedule, which all stages of a registration read.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SCHEDULE_STATE_H
 #define SMR_SCHEDULE_STATE_H
@@ -9,20 +9,17 @@
 
 #define SMR_WORDS 16u           /* 32-bit words of a summed record: one cache line */
 #define SMR_CHUNK 128u          /* vertices of a task */
-#define SMR_MATCH_CHUNK 32u     /* vertices of a task with much work for each */
+#define SMR_MATCH_CHUNK 32u     /* vertices of a task whose vertices take much time */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task */
 
-/* Ranges of saved values. */
-#define SMR_KEPT_MM 2.0e6f   /* largest coordinate or distance, mm: well above what legal inputs give */
-#define SMR_KEPT_UNIT 1.001f /* largest entry of unit vectors and rotations */
+#define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
+#define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 
-/* What the search found for a vertex. */
+/* Result of the search for a vertex' goal over all sources; and of the search in the image alone. */
 enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
-
-/* What a search in the image says. */
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
 
-/* Model, configuration and what follows from them. Constant after the setup. */
+/* Model, configuration and values that follow from both. Constant after the setup. */
 typedef struct smr_shared {
     const smr_model *model;
     smr_config config;
@@ -38,14 +35,13 @@ typedef struct smr_shared {
     float min_cos;            /* of config.forces.normal_deg */
 } smr_shared;
 
-/* Target vertices that there is room for. 0: none attracts. */
+/* Number of target vertices that there is memory for. 0: no target attracts. */
 static inline uint32_t smr_target_slots(const smr_shared *shared) { return shared->config.basic.n_target_vertices; }
 
-/* Age of the tracked image: no iteration has used it; one has; or other targets have changed since it was used. */
+/* Age of the tracked image: not yet used by an iteration; used; outdated, since other targets have changed. */
 enum { SMR_IMAGE_NEW = 0, SMR_IMAGE_CURRENT = 1, SMR_IMAGE_PAST = 2 };
 
-/* State of the schedule. Written by the schedule; the tick lowers n_active where a budget ends; the caller sets
- * n_active_chosen. */
+/* State of the schedule. The tick lowers n_active where a budget ends; the caller sets n_active_chosen. */
 typedef struct smr_schedule {
     uint32_t radius;           /* index of the current radius */
     uint32_t radius_iteration; /* complete iterations at this radius */
@@ -55,24 +51,24 @@ typedef struct smr_schedule {
     uint32_t plastic_updates;  /* number of plastic updates since the start */
     uint32_t converged, done;  /* as in smr_tick_report */
     uint32_t repairing;        /* iterations of fold repair before this radius; 0: none */
-    uint32_t n_active;         /* the first n_active stored vertices are active; clusters carry the others along */
+    uint32_t n_active;         /* the first n_active stored vertices are active; clusters move the others */
     uint32_t n_active_chosen;  /* the caller's choice of n_active (smr_set_active); 0: none */
     smr_lists lists;           /* clusters of the current radius */
     float search_mm;           /* search distance of closest points at this radius, mm */
     float momentum;            /* share of the last displacement that is added to the forces at this radius */
     float fade;        /* 0..1: share of image forces and momentum; falls at the end of a registration to an image */
     float profile_mm;  /* search distance of intensity profiles in this iteration, mm */
-    float farthest_mm; /* the same without the limit by the radius, mm */
+    float farthest_mm; /* profile_mm without the limit by the radius, mm */
     float gradient_mm; /* search distance of edges in this iteration, mm */
     /* written by tracking, and when inputs are set */
     uint32_t tracking; /* 1: the schedule is done, and targets are tracked */
-    /* 1: at a coarser radius again, since targets have jumped; 2: back at the radius of tracking */
-    uint32_t recovering;
-    uint32_t changed;         /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */
+    uint32_t
+        recovering;   /* after a jump of targets, 1: at a coarser radius; 2: at the radius of tracking again; 0: no */
+    uint32_t changed; /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */
     uint32_t settled, jumped; /* as in smr_tick_report */
     uint32_t image_age;       /* age of the tracked image, SMR_IMAGE_.. */
     float gain;               /* factor on forces */
-    float found;              /* share of vertices with goals for the last targets */
+    float found;              /* share of vertices that had goals on the last targets, 0..1 */
 } smr_schedule;
 
 /* Returns 1 when images can be tracked. */
@@ -96,12 +92,11 @@ static inline uint32_t smr_active_end(const smr_schedule *p, uint32_t task)
     return smr_min_u32((task + 1u) * SMR_CHUNK, p->n_active);
 }
 
-/* Number of tasks with active vertices, of SMR_CHUNK and of SMR_MATCH_CHUNK vertices. */
+/* Number of tasks of SMR_CHUNK, or of SMR_MATCH_CHUNK, active vertices. */
 static inline uint32_t smr_active_tasks(const smr_schedule *p) { return smr_ceil_div(p->n_active, SMR_CHUNK); }
 static inline uint32_t smr_match_tasks(const smr_schedule *p) { return smr_ceil_div(p->n_active, SMR_MATCH_CHUNK); }
 
-/* Returns 1 when a vertex is active: it gets a force and is a member of its neighbours' clusters (paper 2.2,
- * complexity tuning). Clusters' transforms carry inactive vertices along. */
+/* Returns 1 when a vertex is active: it gets a force and is a member of clusters (paper 2.2, complexity tuning). */
 static inline int smr_active(const smr_schedule *p, uint32_t vertex) { return vertex < p->n_active; }
 
 static inline float smr_mass(const smr_shared *c, uint32_t vertex)
@@ -118,6 +113,7 @@ static inline smr_vec smr_rest(const smr_shared *c, uint32_t vertex)
     return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
 }
 
+/* Index of the last radius of the schedule. */
 static inline uint32_t smr_last_radius(const smr_shared *c)
 {
     return smr_min_u32(c->config.schedule.radius_last, c->n_radii - 1u);
@@ -128,7 +124,7 @@ static inline int smr_at_last_radius(const smr_shared *c, const smr_schedule *p)
     return p->radius == smr_last_radius(c);
 }
 
-/* A wrapped 32-bit word as the signed number that it represents. */
+/* The signed number that a wrapped 32-bit word represents. */
 static inline int32_t smr_signed(uint32_t word)
 {
     int32_t value;

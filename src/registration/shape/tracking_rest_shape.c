@@ -1,8 +1,8 @@
-/* tracking_rest_shape.c: the rest shape of tracking: the result of the coarse-to-fine schedule. The reference shape x^r
- * is that shape in a new pose, not x, so errors do not accumulate. Clusters find small rotations best, and parts may
- * turn against each other: therefore each structure gets its own rigid pose, fitted to x anew in each iteration. x^r
- * follows when the iteration is complete. A structure without triangles moves with the whole model.
- * Bounds: a pass over the vertices in chunks and one in a piece, a fit for each structure.
+/* tracking_rest_shape.c: tracking's rest shape is the result of the coarse-to-fine schedule. The reference shape x^r is
+ * the rest shape in new poses, not x, so errors do not accumulate. Clusters find small rotations best, and parts may
+ * turn against each other: each iteration fits a rigid pose of each structure to x. x^r follows when the iteration is
+ * complete. A structure without triangles moves with the whole model.
+ * Bounds: a pass over the vertices in chunks, and one at once; a fit for each structure.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation_logarithm.h"
 #include "registration/shape/deformed_shape.h"
@@ -24,14 +24,14 @@ void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *sha
             smr_slot_scratch(a, shape->track_pose_last, shared->n_structures, sizeof *shape->track_pose_last);
     if (!smr_keeps(a))
         return;
+    const int placed = shape->track_rest != NULL; /* 0: the saved values are only checked */
     if (predicted)
-        smr_keep_words(a, shape->track_rest != NULL ? &shape->track_rest->predicted : &gone, 1, 1);
+        smr_keep_words(a, placed ? &shape->track_rest->predicted : &gone, 1, 1);
     for (uint32_t i = 0; predicted && i < shared->n_structures; i++) {
-        smr_keep_pose(a, shape->track_pose != NULL ? &shape->track_pose[i] : &none, SMR_KEPT_MM);
-        smr_keep_pose(a, shape->track_pose_last != NULL ? &shape->track_pose_last[i] : &none, SMR_KEPT_MM);
+        smr_keep_pose(a, placed ? &shape->track_pose[i] : &none, SMR_KEPT_MM);
+        smr_keep_pose(a, placed ? &shape->track_pose_last[i] : &none, SMR_KEPT_MM);
     }
-    /* the memory is not placed yet */
-    smr_keep_pose(a, shape->track_rest != NULL ? &shape->track_rest->rest_pose : &none, SMR_KEPT_MM);
+    smr_keep_pose(a, placed ? &shape->track_rest->rest_pose : &none, SMR_KEPT_MM);
 }
 
 void smr_track_rest_wire(smr_shape *shape)
@@ -73,7 +73,7 @@ uint32_t smr_track_rest_sum_tasks(const void *arg)
 
 static void begin(smr_fit *fit) { smr_fit_start(fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
 
-/* Adds a chunk of one structure, in the caller's order. */
+/* Adds a chunk of vertices of one structure to the fits, in the caller's order. */
 void smr_track_rest_sum(void *arg, uint32_t task, uint32_t worker)
 {
     smr_shape *shape = arg;
@@ -145,7 +145,7 @@ static smr_pose inverse(const smr_pose *p)
     return r;
 }
 
-/* A share of a rigid motion along the same screw. */
+/* The rigid motion by this share of the turn and the shift of p, about the same axis. */
 static smr_twist part_of(const smr_pose *p, float share)
 {
     float r_minus_i[9];
@@ -158,14 +158,8 @@ static smr_twist part_of(const smr_pose *p, float share)
     return twist;
 }
 
-static void move(float *xyz, const smr_twist *by, smr_vec *normal)
-{
-    const smr_vec x = smr_load(xyz);
-    smr_store(xyz, smr_add(x, smr_twist_move(*by, x, normal)));
-}
-
-/* Moves a structure's vertices and their x^r by a motion. The remaining share of the last iteration's displacement
- * stays as momentum. */
+/* Moves a structure's vertices and their x^r by a rigid motion. The remaining share of the last iteration's
+ * displacement stays as momentum. */
 static void move_structure(smr_shape *shape, uint32_t structure, const smr_twist *by)
 {
     const smr_shape_structure *one = &shape->structure[structure];
@@ -173,15 +167,15 @@ static void move_structure(smr_shape *shape, uint32_t structure, const smr_twist
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + i);
         smr_vec normal = smr_get3(shape->normal, v), none = smr_v(0, 0, 0);
-        const smr_vec step = smr_sub(smr_get3(shape->x, v), smr_get3(shape->x_next, v));
-        move(smr_at3(shape->x, v), by, &normal);
+        const smr_vec x = smr_get3(shape->x, v), ref = smr_get3(shape->x_ref, v);
+        const smr_vec step = smr_sub(x, smr_get3(shape->x_next, v));
+        smr_put3(shape->x, v, smr_add(x, smr_twist_move(*by, x, &normal)));
         smr_put3(shape->x_next, v, smr_sub(smr_get3(shape->x, v), smr_scale(step, left)));
-        move(smr_at3(shape->x_ref, v), by, &none);
+        smr_put3(shape->x_ref, v, smr_add(ref, smr_twist_move(*by, ref, &none)));
         smr_put3(shape->normal, v, normal);
     }
 }
 
-/* Moves each structure by a share of its motion since targets were set last. */
 void smr_track_rest_predict(smr_shape *shape, int steady)
 {
     if (shape->track_pose_last == NULL || shape->track_rest->predicted)

@@ -1,12 +1,12 @@
-/* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended
- * with the target's own pull (target_to_model_pulls.c). What runs along the model's surface counts with a share only.
+/* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal,
+ * averaged with the pulls of target vertices (target_to_model_pulls.c). Displacements along the surface count by a
+ * share.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
-/* Saves the state of targets. Surfaces belong to the caller and are set again; the list of distinct ones follows
- * from them. */
+/* Saves the state of targets. The caller sets the surfaces again, from which the list of distinct targets follows. */
 static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
     smr_keep_floats(a, &g->limit, 1, 0.0f, FLT_MAX);
@@ -42,14 +42,20 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
         return;
     g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
-    /* all 0 between iterations */
-    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
+    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n,
+                               4u * sizeof(int64_t)); /* 0 between iterations */
 }
 
 void smr_pulls_clear(smr_surface_goals *g)
 {
     if (g->pull != NULL)
         memset(g->pull, 0, g->shared->config.basic.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
+}
+
+void smr_target_warm_clear(smr_surface_goals *g)
+{
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
 }
 
 void smr_surface_goals_reset(smr_surface_goals *g)
@@ -63,8 +69,7 @@ void smr_surface_goals_reset(smr_surface_goals *g)
         g->target[i].view = smr_v(0, 0, 0);
     for (uint32_t v = 0; v < g->shared->n; v++)
         g->warm[v] = g->warm_next[v] = SMR_NONE;
-    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
-        g->target_warm[j] = SMR_NONE;
+    smr_target_warm_clear(g);
 }
 
 void smr_surface_goals_commit(smr_surface_goals *g)
@@ -83,12 +88,17 @@ int smr_targets_valid(const smr_surface_goals *g)
     return 1;
 }
 
-/* The displacement of vertex v to its closest point on the target. Returns 0 when no point is acceptable. */
+/* The position of vertex v, mm from the target's origin. */
+static smr_vec from_target(const smr_surface_goals *g, uint32_t v, const smr_surface *target)
+{
+    return smr_add(smr_get3(g->shape->x, v), smr_sub(g->shape->origin, target->origin));
+}
+
+/* Finds the closest point of the target to vertex v. Returns 0 when no point is acceptable. */
 static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_surface_find *find)
 {
     const smr_config *c = &g->shared->config;
-    /* mm from the target's origin */
-    const smr_vec p = smr_add(smr_get3(g->shape->x, v), smr_sub(g->shape->origin, target->origin));
+    const smr_vec p = from_target(g, v, target);
     g->warm_next[v] = g->warm[v];
     find->hit.triangle = SMR_NONE;
     find->displacement = smr_v(0, 0, 0);
@@ -96,7 +106,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
         return 0;
     smr_query q = {p, smr_get3(g->shape->normal, v), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
-        q.min_cos = -2.0f; /* a vertex without triangles has no normal: any normal agrees */
+        q.min_cos = -2.0f; /* a vertex without triangles has no normal: all normals agree */
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     smr_surface_search(target, &q, &hit);
     if (hit.triangle == SMR_NONE)
@@ -109,8 +119,8 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     return !smr_reject_outside(c, smr_add(smr_add(p, find->displacement), target->origin));
 }
 
-/* Where goals jump from one place of the target to another, they jump along the surface. Vertices without triangles
- * have no surface. */
+/* Goals that jump from one place of the target to another jump along the surface. Vertices without triangles have no
+ * normal. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
 {
     const smr_vec n = smr_get3(g->shape->normal, v), along_normal = smr_scale(n, smr_dot(n, displacement));
@@ -119,6 +129,7 @@ smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displace
     return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
 }
 
+/* The mean of the displacement to the goal and the mean pull of this weight, mm. */
 static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
 {
     const float share = has_goal ? g->shared->config.basic.attraction * weight : weight;
@@ -131,20 +142,20 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
     smr_vec pull = smr_v(0, 0, 0);
     const int has_goal = project(g, v, target, find);
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
-    if (!has_goal && g->shared->config.forces.use_box) /* outside the box there are no pulls either */
-        weight = 0.0f;
+    if (!has_goal && g->shared->config.forces.use_box)
+        weight = 0.0f; /* no pulls act outside the box */
     const smr_vec goal = has_goal ? find->displacement : smr_v(0, 0, 0);
     *displacement = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
     return has_goal || weight > 0.0f;
 }
 
+/* The displacement of vertex v to the closest point of a target triangle, mm. */
 static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
 {
-    const uint32_t *const c = target->triangle + 3u * (size_t)triangle;
-    const smr_vec p = smr_add(smr_get3(g->shape->x, v), smr_sub(g->shape->origin, target->origin));
+    const uint32_t *const t = target->triangle + 3u * (size_t)triangle;
+    const smr_vec p = from_target(g, v, target), a = smr_get3(target->xyz, t[0]), b = smr_get3(target->xyz, t[1]);
     float w[3];
-    (void)smr_triangle_closest(p, smr_get3(target->xyz, c[0]), smr_get3(target->xyz, c[1]), smr_get3(target->xyz, c[2]),
-                               w);
+    (void)smr_triangle_closest(p, a, b, smr_get3(target->xyz, t[2]), w);
     return smr_sub(smr_triangle_point(&target->tree, triangle, w), p);
 }
 

@@ -8,8 +8,7 @@
 #include "geometry/surface/surface.h"
 #include "registration/shape/deformed_shape.h"
 
-/* vertices of a task that searches a surface, or target vertices of a task that searches the model */
-#define SMR_FORCE_CHUNK 4u
+#define SMR_FORCE_CHUNK 4u        /* vertices, or target vertices, of a task that searches a surface */
 #define SMR_VISIBLE_ONE 255u      /* visibility of a fully visible vertex */
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* mean target areas whose pulls have full weight */
@@ -17,15 +16,15 @@
 typedef struct smr_target {
     const smr_surface *surface;   /* the target; NULL: none */
     uint32_t partial;             /* 1: goals are weighted by visibility; 0: all goals have full weight */
-    uint32_t n_visible, n_judged; /* visible vertices, and judged vertices, at the last judgement */
+    uint32_t n_visible, n_judged; /* number of visible and of judged vertices at the last judgement of visibility */
     uint32_t had_target;          /* 1: the structure had a target when the current iteration began */
     uint32_t measured;            /* 1: forces were completed since the target was set or removed */
     uint32_t n_vertices, changes; /* vertices and change counter of the surface when it was set */
-    float spread;                 /* cloud: mean weight of the reached vertices */
-    smr_vec view;                 /* cloud: mean normal of the places that it shows; 0: unknown */
+    float spread;                 /* cloud: mean weight of the vertices that points pull */
+    smr_vec view;                 /* cloud: mean normal of the model's visible places; 0: unknown */
 } smr_target;
 
-/* A distinct target surface. Structures may share it. */
+/* A distinct target surface. Several structures may share one. */
 typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task; /* first task of this target in the target-to-model search */
@@ -35,8 +34,8 @@ typedef struct smr_goal {
 
 /* A structure's cloud when it was set. */
 typedef struct smr_points_then {
-    uint64_t sum; /* smr_points_checksum() of its points; 0: the target was no cloud */
-    uint32_t n;
+    uint64_t sum; /* smr_points_checksum() of the cloud; 0: the target was no cloud */
+    uint32_t n;   /* number of points */
 } smr_points_then;
 
 typedef struct smr_surface_goals {
@@ -46,72 +45,67 @@ typedef struct smr_surface_goals {
     smr_target *target;    /* [n_structures] the target of each structure */
     smr_goal *goal;        /* [n_structures] distinct targets; the first n_goals are in use */
     smr_points_then *then; /* [n_structures] clouds when they were set; NULL: no target attracts */
-    uint32_t n_goals;
-    uint32_t n_goals_at_begin; /* n_goals when the current iteration began: later targets do not count in it */
-    uint32_t n_tasks;          /* tasks of the target-to-model search */
-    uint32_t n_clouds;         /* number of distinct targets that are clouds */
-    uint32_t n_points;         /* points of all clouds */
-    uint32_t n_clouds_at_begin, n_points_at_begin; /* counts when the current iteration began */
+    uint32_t n_goals;      /* number of distinct targets */
+    uint32_t n_clouds;     /* number of distinct targets that are clouds */
+    uint32_t n_points;     /* number of points of all clouds */
+    uint32_t n_goals_at_begin, n_clouds_at_begin, n_points_at_begin; /* the counts when the current iteration began */
+    uint32_t n_tasks;                                                /* number of tasks of the target-to-model search */
     const float *spread; /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
     /* written by the search for goals */
     uint32_t *warm;        /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] closest target triangle in the current forces, which may be restarted */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
     int64_t *pull; /* [n_workers][n][4] pulls of target vertices: three sums and the weight; NULL: no attraction */
-    /* [n] 0 .. SMR_VISIBLE_ONE: visibility in the last complete forces that judged it; NULL: never judged */
-    uint8_t *visibility;
+    uint8_t *visibility;      /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
     uint8_t *visibility_next; /* [n] visibility in the current forces */
     uint32_t partial;         /* 1: some target is partial */
-    float limit;              /* mm: longer displacements are rejected as outliers; 0: none. 0 after new inputs */
+    float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
 } smr_surface_goals;
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
 void smr_surface_goals_reset(smr_surface_goals *g);  /* discards all results of the searches so far */
 void smr_surface_goals_commit(smr_surface_goals *g); /* called when the current forces are complete */
-void smr_pulls_clear(smr_surface_goals *g);
-int smr_targets_valid(const smr_surface_goals *g); /* 1: no target surface has changed since it was set */
+void smr_pulls_clear(smr_surface_goals *g);          /* sets all pulls of target vertices to 0 */
+void smr_target_warm_clear(smr_surface_goals *g);    /* discards the closest model triangles of target vertices */
+int smr_targets_valid(const smr_surface_goals *g);   /* 1: no target surface has changed since it was set */
 
-/* What a vertex found on its target. */
+/* Result of a vertex' search on its target. */
 typedef struct smr_surface_find {
-    smr_hit hit;          /* the closest point with an agreeing normal; triangle SMR_NONE: none counts */
-    smr_vec displacement; /* mm: from the vertex there */
+    smr_hit hit;          /* the closest point with an agreeing normal; triangle SMR_NONE: no acceptable point */
+    smr_vec displacement; /* from the vertex to the closest point, mm */
 } smr_surface_find;
 
-/* The way from vertex v to its goal on the target mesh, mm. Returns 0 for none. */
+/* The displacement from vertex v to its goal on the target mesh, mm. Returns 0 without a goal. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
                      smr_surface_find *find);
 
-/* The displacement of vertex v to its last closest triangle, averaged with the pulls, before the search, mm; 0
- * without either. Does not change the pulls. */
+/* The displacement of vertex v to its last closest triangle, averaged with the pulls, before the search, mm; 0 without
+ * triangle and pulls. Does not clear the pulls. */
 smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 
-/* A way without what runs along the model's surface, except the share that may count. */
+/* A displacement, mm, with its part along the model's surface reduced to config.basic.slide. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement);
 
-/* correspondence_rejection.c: 1 where no goal counts: outside the box (p: mm in the caller's coordinates); beyond the
- * outlier limit (distance2: mm^2); on an open border of the target. Then the limit of the next iteration, mm: mean and
- * k standard deviations of this iteration's distances to goals; 0: none. */
-int smr_reject_outside(const smr_config *c, smr_vec p);
-int smr_reject_distance(const smr_surface_goals *g, float distance2);
+/* correspondence_rejection.c */
+int smr_reject_outside(const smr_config *c, smr_vec p); /* 1: p, mm in the caller's coordinates, is outside the box */
+int smr_reject_distance(const smr_surface_goals *g, float distance2); /* 1: an outlier by its squared distance, mm^2 */
+/* 1: the closest point lies on an open border of the target */
 int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit);
+/* outlier limit of the next iteration, mm: mean plus k standard deviations of the residuals; 0: none */
 float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float mean_square);
 
-/* Target-to-model attraction. Returns 1 when target vertices pull in this iteration. */
-int smr_attraction_on(const smr_surface_goals *g);
+/* Target-to-model attraction. */
+int smr_attraction_on(const smr_surface_goals *g);                       /* 1: target vertices pull in this iteration */
 int smr_attracts(const smr_surface_goals *g, const smr_surface *target); /* 1: this target pulls; a cloud always does */
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
-
-/* smr_pull_peek reads the sum and weight of the pulls on a vertex, in units of 1 / SMR_PULL_SCALE; smr_pull_sum also
- * clears them. */
+/* reads the sum and the weight of the pulls on a vertex, in units of 1 / SMR_PULL_SCALE */
 void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4]);
-void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]);
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]); /* the same; clears the pulls */
+float smr_pull_mean(const int64_t sum[4], smr_vec *mean);            /* the mean pull, mm; returns its weight, 0..1 */
 
-/* The mean pull, mm. Returns its weight, 0..1. */
-float smr_pull_mean(const int64_t sum[4], smr_vec *mean);
-
-/* The mean pull on a vertex, mm; clears the pulls. Returns their weight, 0..1, which is small where little of the
- * target pulls, so that a single target vertex makes no difference. */
+/* The mean pull on a vertex, mm; clears the pulls. Returns the weight, 0..1, which is small where few target vertices
+ * pull, so that a single target vertex makes no difference. */
 float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean);
 
 #endif

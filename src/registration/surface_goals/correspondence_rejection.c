@@ -1,7 +1,7 @@
-/* correspondence_rejection.c: which pairs of a vertex and a target point yield no goal: outliers by distance, pairs on
- * an open border, and places outside the box. Normals that disagree are rejected within the search (box_tree_search.c),
- * stray components of a target when it is built (surface_fragments.c), image goals by their confidence (image_goals.c).
- * A vertex that a target shows in part counts by its visibility (target_visibility.c).
+/* correspondence_rejection.c: rejects correspondences: outliers by distance, pairs on an open border, and places
+ * outside the box. The search rejects disagreeing normals (box_tree_search.c), the build of a target stray components
+ * (surface_fragments.c), confidence rejects image goals (image_goals.c), and visibility weights the vertices of partial
+ * targets (target_visibility.c).
  * Source: paper 2.1. Bounds: constant.
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/closest_point_goals.h"

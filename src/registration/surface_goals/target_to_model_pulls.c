@@ -1,16 +1,14 @@
-/* target_to_model_pulls.c: target-to-model attraction. Every target vertex finds the closest point of the deforming
- * model and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. A
- * projection of the model onto the target alone leaves whole parts of the target uncovered: nothing calls the model
- * there. Where other places of the same structure are nearly as near, it pulls there, too, the less the farther they
- * are: which of two places is nearer by a last bit then changes next to nothing. Pulls are summed as 64-bit whole
- * numbers, per worker and then over workers: any order gives the same bits.
+/* target_to_model_pulls.c: target-to-model attraction. Each target vertex finds the closest point of the deforming
+ * model and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. Closest
+ * points of the model's vertices alone leave parts of the target uncovered. A target vertex also pulls other places of
+ * the same structure that are nearly as near, the less the farther away, so last bits of distances change next to
+ * nothing. Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
  * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/closest_point_goals.h"
 
-#define SMR_AREA_MAX 16.0f /* largest weight of a target triangle, in mean areas */
-
-/* Length of a cloud's mean normal: below NONE it does not restrict the search, above FULL it does fully. */
+#define SMR_AREA_MAX 16.0f /* largest weight of a target vertex, in mean areas */
+/* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL it does fully. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
 
@@ -30,8 +28,7 @@ uint32_t smr_attract_tasks(const void *arg)
     return smr_attraction_on(g) ? g->n_tasks : 0u;
 }
 
-/* After a jump: restricts the search of a point without a normal to the side of the model that the cloud showed
- * before. */
+/* After a jump: restricts the search of a point without a normal to the side of the model that was visible before. */
 static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query *q)
 {
     const smr_vec view = g->target[structure].view;
@@ -44,14 +41,15 @@ static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query 
     q->normal = smr_scale(view, 1.0f / length);
 }
 
-/* The closest acceptable model point over all structures that share this target. Returns its structure or SMR_NONE. */
+/* Finds the closest acceptable model point over all structures that share this target. Returns the point's structure or
+ * SMR_NONE. */
 static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
                                   smr_hit *hit, smr_near_list *near)
 {
     const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
     smr_near_list list;
     uint32_t found = SMR_NONE;
-    /* the structure found last comes first: its distance shortens the search of the others */
+    /* round 0: the structure found last, whose distance shortens the search of the others */
     for (uint32_t round = 0; round < 2u; round++) {
         for (uint32_t i = 0; i < g->shared->n_structures; i++) {
             const smr_shape_structure *one = &g->shape->structure[i];
@@ -75,7 +73,7 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
     return found;
 }
 
-/* Adds the pull of a target vertex at y to the corners of a triangle. noise: mm, shorter distances do not pull. */
+/* Adds the pull of a target vertex at y to the corners of a triangle. noise: largest distance without a pull, mm. */
 static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, float noise,
                      int64_t *pull)
 {

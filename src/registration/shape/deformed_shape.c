@@ -1,6 +1,7 @@
-/* shape_triangles.c: the model's triangles as they move: normals, and box trees for target-to-model attraction and
- * contact.
- * Bounds: one pass over the triangles.
+/* deformed_shape.c: arrays of the deforming model; normals and box trees of its moving triangles, for target-to-model
+ * attraction and contact; the rest pose, a similarity from the rest shape onto x, fitted when a registration or its
+ * last radius starts.
+ * Bounds: one pass over vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/deformed_shape.h"
 
@@ -77,7 +78,7 @@ void smr_triangles_refit(void *arg, uint32_t task, uint32_t worker)
 void smr_triangles_end(smr_shape *shape)
 {
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        if (shape->structure[i].tree.node != NULL) /* without a target, too: one may come before the next iteration */
+        if (shape->structure[i].tree.node != NULL) /* a target may be set before the next iteration */
             smr_tree_refit_upper(&shape->structure[i].tree);
 }
 
@@ -93,4 +94,39 @@ void smr_triangles_now(smr_shape *shape)
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
         smr_tree_refit_leaves(&shape->structure[i].tree, 0, smr_tree_leaves(&shape->structure[i].tree));
     smr_triangles_end(shape);
+}
+
+static void add_to_fit(smr_shape *shape, uint32_t from, uint32_t to)
+{
+    if (from == 0u)
+        smr_fit_start(&shape->fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
+    for (uint32_t v = from; v < to; v++)
+        smr_fit_add(&shape->fit, smr_rest(shape->shared, v), smr_get3(shape->x, v), 1.0f);
+}
+
+uint32_t smr_rest_pose_tasks(const void *arg)
+{
+    const smr_shape *shape = arg;
+    return shape->rest_pose_due ? smr_ceil_div(shape->shared->n, SMR_MATCH_CHUNK) : 0u;
+}
+
+void smr_rest_pose_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_shape *shape = arg;
+    (void)worker;
+    add_to_fit(shape, task * SMR_MATCH_CHUNK, smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, shape->shared->n));
+}
+
+void smr_rest_pose_end(smr_shape *shape)
+{
+    shape->rest_pose = smr_fit_solve(&shape->fit, 1);
+    shape->rest_pose_due = 0;
+}
+
+void smr_rest_pose_now(smr_shape *shape)
+{
+    const uint32_t due = shape->rest_pose_due;
+    add_to_fit(shape, 0, shape->shared->n);
+    smr_rest_pose_end(shape);
+    shape->rest_pose_due = due;
 }
