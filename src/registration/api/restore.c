@@ -107,10 +107,8 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
 
 smr_status smr_get_awaited(const smr *s, uint32_t *n)
 {
-    if (s == NULL || n == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
-    *n = s->n_awaited;
-    return SMR_OK;
+    const smr_status status = smr_readable(s, 0, n);
+    if (status == SMR_OK)
+        *n = s->n_awaited;
+    return status;
 }

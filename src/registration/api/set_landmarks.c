@@ -135,13 +135,10 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
 
 smr_status smr_get_landmarks(const smr *s, float *xyz)
 {
-    if (s == NULL || xyz == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
-    for (uint32_t k = 0; k < s->forces.landmarks.n; k++) {
+    const smr_status status = smr_readable(s, 0, xyz);
+    for (uint32_t k = 0; status == SMR_OK && k < s->forces.landmarks.n; k++) {
         const smr_vec foot = smr_landmark_foot(&s->forces.landmarks, k, s->shape.x);
         smr_put3(xyz, k, smr_add(smr_add(foot, smr_landmark_offset(&s->forces.landmarks, k)), s->shape.origin));
     }
-    return SMR_OK;
+    return status;
 }

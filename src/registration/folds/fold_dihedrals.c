@@ -1,5 +1,4 @@
-/* fold_dihedrals.c: the angle at a dihedral edge, runs of triangles without marks, and pieces of passes, for the steps
- * that handle folds.
+/* fold_dihedrals.c: the cosine of a dihedral edge, runs of triangles, and pieces of passes, for all steps of folds.
  * Bounds: two triangles for each dihedral edge.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -21,7 +20,7 @@ static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
 
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h)
 {
-    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_dihedral_second(h)));
+    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_edge_second(h)));
 }
 
 smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk)

@@ -1,6 +1,6 @@
-/* fold_find.c: searches for dihedral edges that fold. Shape matching makes folds rare, but crossing forces can turn
- * a triangle over, and a plastic reference would keep it so. Coarse radii move the model almost rigidly and undo
- * most folds, so the search begins at the last radius but one.
+/* fold_find.c: searches for dihedral edges that fold. Shape matching makes folds rare, but crossing forces can turn a
+ * triangle over, and a plastic reference shape keeps the triangle so. Coarse radii move the model almost rigidly and
+ * undo most folds, so the search begins at the last radius but one.
  * Bounds: one pass over the dihedral edges.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
@@ -32,25 +32,25 @@ uint32_t smr_fold_find_tasks(const void *arg)
     return smr_folds_guarded(f->shared, f->schedule) ? f->n_dihedral_tasks : 0u;
 }
 
-/* Counts the dihedral edges of a chunk that fold, or would be limited, by the triangles' normals at x_next. */
+/* Counts the dihedral edges of a chunk that fold or must be limited, by the triangles' normals at x_next. */
 void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
     (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_DIHEDRAL_CHUNK, f->shared->n_dihedrals);
-    const smr_stored_dihedral *const dihedral = smr_dihedral_at(f, 0);
+    const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const float *const normal = f->shape->triangle_normal;
     const int repairing = f->schedule->repairing > 0u;
     uint32_t n = 0, n_open = 0;
     for (uint32_t i = task * SMR_DIHEDRAL_CHUNK; i < last; i++) {
         const smr_stored_dihedral *h = dihedral + i;
         const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
-        const smr_vec b = smr_load(normal + 3u * (size_t)smr_dihedral_second(h));
+        const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(h));
         const float next = smr_dot(a, b);
         if (!(next < SMR_LIMIT_BELOW))
             continue;
-        n += repairing ? next < smr_dihedral_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
-        n_open += smr_dihedral_open(h) && next < SMR_FOLD_COS;
+        n += repairing ? next < smr_edge_limit(h) : smr_fold_limit_share(f, h, next) > 0.0f;
+        n_open += smr_edge_open(h) && next < SMR_FOLD_COS;
     }
     f->tally[task].folds.n_bent = n;
     f->tally[task].folds.n_open = n_open;
@@ -59,8 +59,7 @@ void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
 void smr_fold_find_end(smr_folds *f)
 {
     uint32_t n_bent = 0, n_open = 0;
-    f->n_guarded = 0;
-    f->n_folding = 0;
+    f->n_guarded = f->n_folding = 0;
     for (uint32_t task = 0; task < f->n_dihedral_tasks; task++) {
         n_bent += f->tally[task].folds.n_bent;
         n_open += f->tally[task].folds.n_open;

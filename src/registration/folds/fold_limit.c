@@ -1,30 +1,30 @@
 /* fold_limit.c: limits the steps x_next - x that would fold dihedral edges, at the finest radii. In an iteration the
- * cosine of an edge may use a share of the remaining margin. If it would fall by more, the steps of the edge's four
- * corners move towards their mean as far as needed: equal steps do not turn the edge. A vertex of several such edges
- * takes the weighted mean of their requests, with the largest requested share. Edges with common corners affect each
- * other, so several rounds follow. The result is continuous in the positions. An edge that would still fold has its
- * steps halved, and finally removed. Tasks run one after the other; each is a piece of a pass.
+ * cosine of an edge may use a share of the remaining margin. Beyond that share the steps of the edge's four corners
+ * move towards their mean: equal steps do not turn the edge. A vertex of several such edges moves towards the weighted
+ * mean of their requests by the largest requested share. Edges with common corners affect each other, so several rounds
+ * follow. The result is continuous in the positions. Steps of an edge that would still fold are halved, finally
+ * removed.
  * Bounds: SMR_LIMIT_ROUNDS passes over the dihedral edges, and SMR_SOFT_ROUNDS over triangles and vertices of the
  * structures that fold.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
 #define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that an edge may use in an iteration */
-#define SMR_LIMIT_ROOM 0.05f   /* cosine: within this distance of its limit an edge only creeps */
-#define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine in an iteration while an edge creeps */
-#define SMR_LIMIT_LEFT 0.05f   /* the same change over what is left to the limit, so that the edge never reaches it */
+#define SMR_LIMIT_ROOM 0.05f   /* an edge whose cosine is nearer to its limit creeps */
+#define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
+#define SMR_LIMIT_LEFT 0.05f   /* largest change over the distance to the limit, which is thus never reached */
 #define SMR_LOOK_CHUNK 64u     /* dihedral edges of a task: each needs the normals of two triangles, twice */
-#define SMR_SOFT_ROUNDS 20u
-#define SMR_HALVINGS 3u
-#define SMR_LIMIT_ROUNDS 40u
-#define SMR_ENOUGH 0.001f /* largest requested share at which the soft rounds end */
+#define SMR_SOFT_ROUNDS 20u    /* rounds of requests */
+#define SMR_HALVINGS 3u        /* rounds that halve steps; later rounds remove steps */
+#define SMR_LIMIT_ROUNDS 40u   /* most rounds in all */
+#define SMR_ENOUGH 0.001f      /* largest requested share at which the soft rounds end */
 
 enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
 enum { SMR_MARKED = 1, SMR_REQUESTED = 2 };
 
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next)
 {
-    const float limit = smr_dihedral_limit_of(h), near = limit + SMR_LIMIT_ROOM;
+    const float limit = smr_edge_limit(h), near = limit + SMR_LIMIT_ROOM;
     if (!(next < 1.0f - SMR_LIMIT_SHARE * (1.0f - near)))
         return 0.0f; /* even a flat edge would stay within its share */
     const float now = smr_dihedral_cosine(f, f->shape->x, h);
@@ -43,10 +43,10 @@ static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
     smr_put3(f->shape->x_next, v, smr_add(smr_get3(f->shape->x, v), step));
 }
 
-/* The four corners of a dihedral edge: the first triangle's, then the second's that the first does not have. */
+/* The four corners of a dihedral edge: those of the first triangle, then the other corner of the second. */
 static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_t corner[4])
 {
-    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_dihedral_second(h));
+    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_edge_second(h));
     memcpy(corner, a, 3u * sizeof *a);
     corner[3] = a[0];
     for (uint32_t c = 0; c < 3u; c++)
@@ -54,7 +54,7 @@ static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_
             corner[3] = b[c];
 }
 
-/* Requests that the corners of an edge move more alike, by this share. */
+/* Requests that the steps of an edge's corners move towards their mean by this share. */
 static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
 {
     uint32_t corner[4];
@@ -77,7 +77,7 @@ static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
     f->folding[smr_model_owner(f->shared->model, corner[0])] = 1;
 }
 
-/* Shortens the steps of an edge's corners to this share. */
+/* Multiplies the steps of an edge's corners by `keep`. */
 static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
 {
     uint32_t corner[4];
@@ -92,8 +92,8 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
 /* Returns 1 when no corner near the edge has moved since the edge was last tested. */
 static int passed_over(const smr_folds *f, uint32_t i)
 {
-    const smr_stored_dihedral *h = smr_dihedral_at(f, i);
-    const uint32_t first = smr_le32(h->first), second = smr_dihedral_second(h), round = f->limit.round;
+    const smr_stored_dihedral *h = smr_edge_at(f, i);
+    const uint32_t first = smr_le32(h->first), second = smr_edge_second(h), round = f->limit.round;
     if (round == 0u)
         return f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u;
     return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||
@@ -106,8 +106,8 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
     for (uint32_t i = from; i < to; i++) {
         if (passed_over(f, i))
             continue;
-        const smr_stored_dihedral *h = smr_dihedral_at(f, i);
-        const float next = smr_dihedral_cosine(f, f->shape->x_next, h), limit = smr_dihedral_limit_of(h);
+        const smr_stored_dihedral *h = smr_edge_at(f, i);
+        const float next = smr_dihedral_cosine(f, f->shape->x_next, h), limit = smr_edge_limit(h);
         if (l->round < SMR_SOFT_ROUNDS) {
             const float share = smr_fold_limit_share(f, h, next);
             if (share > 0.0f) {
@@ -134,8 +134,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
         const uint32_t v = smr_model_position(f->shared->model, i);
         if (!(f->marked[v] & SMR_REQUESTED))
             continue;
-        const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
-        const smr_vec step = step_of(f, v);
+        const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]), step = step_of(f, v);
         const float requested = f->rings.requested[v];
         set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), requested)));
         f->marked[v] = SMR_MARKED;
@@ -143,7 +142,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* The next structure with folds, from this one on; n_structures: none. */
+/* The first structure with folds, from this structure on; n_structures: none. */
 static uint32_t folding_from(const smr_folds *f, uint32_t structure)
 {
     while (structure < f->shared->n_structures && !f->folding[structure])
@@ -197,11 +196,7 @@ void smr_fold_limit_start(smr_folds *f)
     smr_runs_clear(f);
 }
 
-uint32_t smr_fold_limit_tasks(const void *arg)
-{
-    const smr_fold_pass *p = &((const smr_folds *)arg)->limit.pass;
-    return p->n_done + (p->stage != SMR_LIMIT_IDLE);
-}
+uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->limit.pass); }
 
 void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
 {
@@ -212,8 +207,7 @@ void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
                                                           : SMR_OVER_TRIANGLES;
     const uint32_t chunk = over == SMR_OVER_DIHEDRALS ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
-    (void)task;
-    (void)worker;
+    (void)task, (void)worker;
     if (over == SMR_OVER_DIHEDRALS)
         look(f, piece.from, piece.to);
     else if (over == SMR_OVER_TRIANGLES)

@@ -1,18 +1,18 @@
-/* fold_open.c: opens folds that remain at the last radius: dihedral edges whose triangles face away from each other
- * but did not at rest. fold_limit.c leaves some margin to edges with right angles at rest, and only keeps old folds
- * from growing. Here the corners of an edge move the shortest distance along which the cosine becomes positive.
- * Edges are opened one after the other, in several passes, since one may turn its neighbour.
+/* fold_open.c: opens folds that remain at the last radius: dihedral edges whose triangles face away from each other but
+ * not in the rest shape. fold_limit.c leaves a margin to edges with right angles at rest, and only keeps old folds from
+ * growing. The corners of an edge move the shortest distance to a positive cosine. Edges are opened one after the
+ * other, in several passes, since opening an edge may turn its neighbour.
  * Source: projection of a constraint, Mueller et al., "Position based dynamics", 2006.
  * Bounds: SMR_OPEN_PASSES passes over the dihedral edges.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
-#define SMR_OPEN_PASSES 16u
+#define SMR_OPEN_PASSES 16u    /* most passes in an iteration */
 #define SMR_OPEN_CHUNK 64u     /* dihedral edges of a task */
 #define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
-#define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, over the shortest edge */
-#define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: a smaller triangle has no normal */
+#define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, over the length of the shortest edge */
+#define SMR_AREA_FLOOR 1.0e-6f /* twice the area of the smallest triangle that has a normal, mm^2 */
 
 void smr_fold_open_start(smr_folds *f)
 {
@@ -26,12 +26,13 @@ uint32_t smr_fold_open_tasks(const void *arg)
     return o->n_done + (o->pass != 0u);
 }
 
+/* A triangle of a dihedral edge. */
 typedef struct side {
-    const uint32_t *corner;
-    smr_vec edge[3]; /* the edge opposite each corner, mm */
-    smr_vec normal;
-    float area2;     /* twice the area, mm^2 */
-    float shortest2; /* squared length of the shortest edge, mm^2 */
+    const uint32_t *corner; /* [3] vertices */
+    smr_vec edge[3];        /* the edge opposite each corner, mm */
+    smr_vec normal;         /* unit normal */
+    float area2;            /* twice the area, mm^2 */
+    float shortest2;        /* squared length of the shortest edge, mm^2 */
 } side;
 
 static side side_of(const smr_folds *f, uint32_t triangle)
@@ -50,8 +51,8 @@ static side side_of(const smr_folds *f, uint32_t triangle)
     return t;
 }
 
-/* Adds the gradient of the cosine with respect to one triangle's corners, which is parallel to its normal. Places 0
- * to 2 are the first triangle's corners, 3 the second's that the first does not have. */
+/* Adds the gradient of the cosine with respect to one triangle's corners, which is parallel to the triangle's normal.
+ * Places 0 to 2 are corners of the first triangle, place 3 is the other corner of the second. */
 static void add_gradient(const side *own, const side *other, const uint32_t place[3], smr_vec gradient[4])
 {
     for (uint32_t c = 0; c < 3u; c++) {
@@ -80,7 +81,7 @@ static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosi
         largest2 = smr_max(largest2, smr_dot(gradient[c], gradient[c]));
     }
     if (!(square > 0.0f))
-        return; /* fully folded: no direction is better than another */
+        return; /* fully folded: all directions are equal */
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
@@ -91,15 +92,15 @@ static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosi
     }
 }
 
-/* Opens the folds of a chunk: edges that the search found, and edges whose corners moved since. */
+/* Opens the folds of a chunk: edges that fold_find.c found, and edges whose corners fold steps moved. */
 static void open_chunk(smr_folds *f, uint32_t chunk)
 {
     const uint32_t from = chunk * SMR_OPEN_CHUNK, to = smr_min_u32(from + SMR_OPEN_CHUNK, f->shared->n_dihedrals);
     const int found = f->tally[from / SMR_DIHEDRAL_CHUNK].folds.n_open > 0u;
     for (uint32_t i = from; i < to; i++) {
-        const smr_stored_dihedral *h = smr_dihedral_at(f, i);
-        const uint32_t first = smr_le32(h->first), second = smr_dihedral_second(h);
-        if (!smr_dihedral_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
+        const smr_stored_dihedral *h = smr_edge_at(f, i);
+        const uint32_t first = smr_le32(h->first), second = smr_edge_second(h);
+        if (!smr_edge_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
             continue;
         const side a = side_of(f, first), b = side_of(f, second);
         const float cosine = smr_dot(a.normal, b.normal);
@@ -110,13 +111,12 @@ static void open_chunk(smr_folds *f, uint32_t chunk)
     }
 }
 
-/* Step: one chunk. The next pass needs the positions of this one. */
+/* Step: one chunk. The next pass needs the positions of this pass. */
 void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_open *o = &f->open;
-    (void)task;
-    (void)worker;
+    (void)task, (void)worker;
     open_chunk(f, o->chunk);
     o->n_done++;
     if (++o->chunk < smr_ceil_div(f->shared->n_dihedrals, SMR_OPEN_CHUNK))

@@ -1,14 +1,13 @@
-/* fold_repair.c: repairs folds before the last two radii, in iterations without forces. In a patch around a fold,
- * which grows until it suffices, the displacement from the rest shape is made as smooth as around the patch. Tasks
- * run one after the other; each is a piece of a pass.
- * Bounds: one pass over the dihedral edges, and over the structures that fold 3 + 2 SMR_REPAIR_SWEEPS for each ring
- * of the patch.
+/* fold_repair.c: repairs folds before the last two radii, in iterations without forces. A patch around a fold, which
+ * grows while the fold remains, gets the smoothest displacement from the rest shape that fits its surroundings.
+ * Bounds: one pass over the dihedral edges; for each ring of the patch 3 + 2 SMR_REPAIR_SWEEPS over structures that
+ * fold.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
-#define SMR_EDGE_FLOOR 1.0e-3f /* mm, added to edge lengths before they divide */
-#define SMR_REPAIR_SWEEPS 10u
-#define SMR_REPAIR_WIDEN 3u /* iterations after which the patch grows by a ring */
+#define SMR_EDGE_FLOOR 1.0e-3f /* added to edge lengths in divisors, mm */
+#define SMR_REPAIR_SWEEPS 10u  /* sweeps for each ring of the patch */
+#define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
 enum {
     SMR_REPAIR_IDLE = 0,
@@ -28,21 +27,21 @@ static void mark(smr_folds *f, uint32_t triangle)
     f->folding[smr_model_owner(f->shared->model, t[0])] = 1;
 }
 
-/* Marks the corners of dihedral edges that fold at x_next, in chunks where the search counted some. */
+/* Marks the corners of dihedral edges that fold at x_next, in chunks where fold_find.c counted folds. */
 static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
-        const smr_stored_dihedral *h = smr_dihedral_at(f, i);
+        const smr_stored_dihedral *h = smr_edge_at(f, i);
         if (f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u ||
-            !(smr_dihedral_cosine(f, f->shape->x_next, h) < smr_dihedral_limit_of(h)))
+            !(smr_dihedral_cosine(f, f->shape->x_next, h) < smr_edge_limit(h)))
             continue;
         mark(f, smr_le32(h->first));
-        mark(f, smr_dihedral_second(h));
+        mark(f, smr_edge_second(h));
         f->repair.n_folds++;
     }
 }
 
-/* Marks the neighbours of marked vertices by a bit of their own, so that a pass adds one ring only. */
+/* Marks the mesh neighbours of marked vertices by another bit, so that a pass adds one ring. */
 static void widen(smr_folds *f, const uint32_t *t, const uint32_t *end)
 {
     for (; t < end; t += 3)
@@ -58,22 +57,26 @@ static void join(smr_folds *f, const uint32_t *t, const uint32_t *end)
         f->marked[*t] = f->marked[*t] != 0u;
 }
 
+static void clear_ring(smr_folds *f, uint32_t v)
+{
+    smr_put3(f->rings.sum, v, smr_v(0, 0, 0));
+    f->rings.weight[v] = 0.0f;
+}
+
+/* Clears the sums of triangles with marked corners, and marks the runs of these triangles. */
 static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++) {
-        const uint32_t *t = smr_corners(f, triangle);
         if (!smr_any_marked(f, triangle))
             continue;
         smr_run_touch(f, triangle);
-        for (uint32_t c = 0; c < 3u; c++) {
-            smr_put3(f->rings.sum, t[c], smr_v(0, 0, 0));
-            f->rings.weight[t[c]] = 0.0f;
-        }
+        for (uint32_t c = 0; c < 3u; c++)
+            clear_ring(f, smr_corners(f, triangle)[c]);
     }
 }
 
-/* Adds one triangle to the weighted sums of mesh neighbours' displacements. Near neighbours weigh more, so that the
- * corners of a sliver move alike. */
+/* Adds one triangle to the weighted sums of mesh neighbours' displacements. Near neighbours have larger weights, so
+ * that the corners of a sliver move alike. */
 static void sum_ring(smr_folds *f, const uint32_t *t)
 {
     smr_vec at[3], moved[3];
@@ -96,13 +99,13 @@ static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++)
         if (!smr_run_touched(f, triangle))
-            triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* skips to the end of the run */
+            triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* the last triangle of the run */
         else if (smr_any_marked(f, triangle))
             sum_ring(f, smr_corners(f, triangle));
 }
 
-/* Sets the displacements of marked vertices to the weighted mean of their mesh neighbours'. Several sweeps approach
- * the smoothest displacement that joins the surroundings. */
+/* Sets the displacements of marked vertices to the weighted mean of their mesh neighbours' displacements. Several
+ * sweeps approach the smoothest displacement that fits the surroundings. */
 static void move(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
@@ -111,11 +114,11 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
             continue;
         const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
         smr_put3(f->shape->x_next, v, smr_add(smr_rest_posed(f->shape, v), mean));
-        smr_put3(f->rings.sum, v, smr_v(0, 0, 0)); /* cleared for the next sweep */
-        f->rings.weight[v] = 0.0f;
+        clear_ring(f, v); /* for the next sweep */
     }
 }
 
+/* Number of rings of the patch in this iteration. */
 static uint32_t rings_of(const smr_folds *f) { return 1u + f->schedule->repairing / SMR_REPAIR_WIDEN; }
 
 static void next_structure(smr_folds *f)
@@ -153,11 +156,7 @@ void smr_fold_repair_start(smr_folds *f)
     smr_runs_clear(f);
 }
 
-uint32_t smr_fold_repair_tasks(const void *arg)
-{
-    const smr_fold_pass *p = &((const smr_folds *)arg)->repair.pass;
-    return p->n_done + (p->stage != SMR_REPAIR_IDLE);
-}
+uint32_t smr_fold_repair_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->repair.pass); }
 
 void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
 {
@@ -167,8 +166,7 @@ void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
                           : pass->stage == SMR_REPAIR_MOVE ? SMR_OVER_VERTICES
                                                            : SMR_OVER_TRIANGLES;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);
-    (void)task;
-    (void)worker;
+    (void)task, (void)worker;
     switch (pass->stage) {
     case SMR_REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
     case SMR_REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
