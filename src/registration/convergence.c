@@ -1,10 +1,10 @@
-/* convergence.c: when a radius is done, and with the last one the registration.
+/* convergence.c: the end of a radius, and of the registration with the last radius.
  * Bounds: one pass over the structures.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
-/* Returns 1 when a radius may end before its last iteration. While tangential smoothing is on, the last radius runs
- * to its end, since rounding would decide an early end. Volumes reach their ratios at the first radius. */
+/* Returns 1 when a radius may end before its last iteration. With tangential smoothing the last radius does not, since
+ * rounding would decide. Volumes reach their ratios at the first radius. */
 static int may_end_early(const smr *s)
 {
     if (smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes))
@@ -15,8 +15,7 @@ static int may_end_early(const smr *s)
            s->forces.surface.n_goals_at_begin == 0u || !(s->shared.config.basic.even > 0.0f);
 }
 
-/* A radius is done when an iteration moves less than settle_um, or after its number of iterations; the registration is
- * done with the last radius. */
+/* A radius ends when no vertex moves by settle_um or more, or after its number of iterations. */
 smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration)
 {
     const int last = smr_at_last_radius(&s->shared, &s->schedule);

@@ -1,5 +1,5 @@
-/* plasticity.c: the reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration): where
- * the model is at rest (paper 3), after plastic_every iterations, and where a radius ends.
+/* plasticity.c: the reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration), when the
+ * model is at rest (paper 3), after plastic_every iterations, and at the end of a radius.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
@@ -13,7 +13,7 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
     return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 
-/* Where targets are tracked, and in dynamics, x^r is a shape that does not creep (tracking_rest_shape.c). */
+/* In tracking and dynamics x^r is tracking's rest shape in new poses (tracking_rest_shape.c). */
 int smr_plastic_ahead(const smr *s)
 {
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);

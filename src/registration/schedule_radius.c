@@ -1,15 +1,14 @@
-/* schedule_radius.c: at which cluster radius a registration stands, and what follows from that: iterations, active
- * vertices, search distances.
+/* schedule_radius.c: the current cluster radius and what follows from it: iterations, active vertices, search
+ * distances.
  * Bounds: SMR_RADII_MAX, SMR_LEVELS_MAX.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
 #define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model with an image */
 #define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
-/* factor on the first radius' iterations with an image: most of the displacement happens there */
-#define SMR_FIRST_TIMES 2u
+#define SMR_FIRST_TIMES 2u   /* factor on the first radius' iterations with an image: most displacement happens there */
 #define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */
-#define SMR_TRACK_EDGES 6.0f /* mean edges: the radius after the schedule that is chosen */
+#define SMR_TRACK_EDGES 6.0f /* default radius of tracking, in mean edges */
 
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm)
 {
@@ -20,8 +19,8 @@ uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, floa
     return best;
 }
 
-/* The radius of tracking. By default, with several structures, a radius at which clusters do not cross structures,
- * so that structures can slide and joints can turn. */
+/* By default, with several structures, a radius at which no cluster has two structures, so that structures can slide
+ * and joints can turn. */
 uint32_t smr_radius_after(const smr *s)
 {
     const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
@@ -67,9 +66,8 @@ float smr_radius_progress(const smr *s)
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->schedule.radius_iteration) / total;
 }
 
-/* The number of active vertices that suffices for image forces: active_enough in the smallest cluster. Image forces
- * take most of an iteration. The number is a whole priority level, since the vertices of a level do not depend on
- * the order along the curve. */
+/* The number of active vertices that suffices for image forces, which take most of an iteration: active_enough in the
+ * smallest cluster. A whole priority level, whose vertices do not depend on the order along the curve. */
 static float enough_for_image(const smr *s)
 {
     const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /
@@ -82,7 +80,6 @@ static float enough_for_image(const smr *s)
     return (float)smr_le32(s->shared.model->level_end[level]);
 }
 
-/* The number of active vertices: the configured share, but at least what the clusters of this radius need. */
 uint32_t smr_radius_active(const smr *s)
 {
     const float n = (float)s->shared.n, last = s->shared.config.basic.active_share,
@@ -94,8 +91,8 @@ uint32_t smr_radius_active(const smr *s)
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->schedule.lists.active_min), s->shared.n);
 }
 
-/* Returns 1 when folds are repaired before this radius. Not with an image alone: its last radius has clusters, which
- * undo folds, and a repair would lose what the forces found. */
+/* Returns 1 when folds are repaired before this radius. Not with an image alone: the clusters of its last radius undo
+ * folds, and a repair would undo displacements by forces. */
 static int repairs_before(const smr *s, uint32_t radius)
 {
     return smr_folds_guarded(&s->shared, &s->schedule) && s->shared.n_dihedrals > 0u &&

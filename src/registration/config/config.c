@@ -1,10 +1,10 @@
-/* config.c: defaults and ranges of the runtime configuration, from the table of settings; checks that relate to the
- * model or to other fields.
+/* config.c: defaults and ranges of the configuration, from the table of settings; checks of fields against each other
+ * and the model.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 #include "registration/config/config.h"
 
-#define SMR_PAPER_ITERATIONS 120u /* the paper gives no number: as many as reproduce its figures */
+#define SMR_PAPER_ITERATIONS 120u /* reproduces the paper's figures; the paper gives no number */
 
 smr_config smr_config_default(void)
 {
@@ -67,11 +67,11 @@ smr_config smr_config_paper(void)
     return config;
 }
 
-/* A setting that has a range of its own. */
+/* The range of a setting. */
 typedef struct range {
-    uint16_t offset;
+    uint16_t offset;         /* offset in smr_config, bytes */
     uint8_t is_number, ends; /* 1: float, 0: uint32_t; SMR_ENDS_... */
-    float low, high;         /* exact for counts, too: they are below 2^24 */
+    float low, high;         /* exact for counts, which are below 2^24 */
 } range;
 
 #define SMR_RANGE_COUNT(path, low, high, ends) {offsetof(smr_config, path), 0, (ends), (float)(low), (float)(high)},
@@ -104,7 +104,6 @@ static int ranges_legal(const smr_config *c)
     return legal;
 }
 
-/* Checks the box, which counts only where it is used. */
 static int box_legal(const smr_config *c)
 {
     int legal = 1;
@@ -114,7 +113,7 @@ static int box_legal(const smr_config *c)
     return legal;
 }
 
-/* Checks dynamics: it excludes tracking, volume preservation and smoothing, which use relaxation. */
+/* Dynamics excludes tracking, contact, volume preservation and smoothing. */
 static int dynamics_legal(const smr_config *c)
 {
     const int alone = c->track.mode == SMR_TRACK_OFF && !(c->contact.volume > 0.0f) && !(c->contact.smooth > 0.0f) &&
@@ -140,31 +139,6 @@ void smr_config_settle(smr_config *c)
     c->basic.n_target_vertices = 0;
 }
 
-/* What this build leaves out: a group of settings each. */
-typedef struct group {
-    uint16_t offset, bytes;
-} group;
-
-#define SMR_GROUP_OF(name) {offsetof(smr_config, name), sizeof(((smr_config *)NULL)->name)},
-
-static const group left_out[] = {
-#ifdef SMR_WITHOUT_IMAGE
-    SMR_GROUP_OF(image)
-#endif
-#ifdef SMR_WITHOUT_PARTIAL
-        SMR_GROUP_OF(partial)
-#endif
-#ifdef SMR_WITHOUT_TRACK
-            SMR_GROUP_OF(track)
-#endif
-#ifdef SMR_WITHOUT_CONTACT
-                SMR_GROUP_OF(contact)
-#endif
-#ifdef SMR_WITHOUT_DYNAMICS
-                    SMR_GROUP_OF(dynamics)
-#endif
-                        {0, 0}};
-
 const char *smr_built_without(void)
 {
     static const char words[] = ""
@@ -187,7 +161,9 @@ const char *smr_built_without(void)
     return words[0] == ' ' ? words + 1 : words;
 }
 
-/* Targets that are taken as whole need nothing of what shows parts. */
+#define SMR_DIFFERS(group) (memcmp(&own.group, &standard.group, sizeof own.group) != 0)
+
+/* A build without partial targets takes all targets as whole. */
 int smr_config_left_out(const smr_config *c)
 {
     const smr_config standard = smr_config_default();
@@ -195,8 +171,21 @@ int smr_config_left_out(const smr_config *c)
     int differs = 0;
     if (own.partial.coverage == SMR_COVERAGE_WHOLE)
         own.partial.coverage = standard.partial.coverage;
-    for (const group *g = left_out; g->bytes > 0u; g++)
-        differs |= memcmp((const char *)&own + g->offset, (const char *)&standard + g->offset, g->bytes) != 0;
+#ifdef SMR_WITHOUT_IMAGE
+    differs |= SMR_DIFFERS(image);
+#endif
+#ifdef SMR_WITHOUT_PARTIAL
+    differs |= SMR_DIFFERS(partial);
+#endif
+#ifdef SMR_WITHOUT_TRACK
+    differs |= SMR_DIFFERS(track);
+#endif
+#ifdef SMR_WITHOUT_CONTACT
+    differs |= SMR_DIFFERS(contact);
+#endif
+#ifdef SMR_WITHOUT_DYNAMICS
+    differs |= SMR_DIFFERS(dynamics);
+#endif
     return differs;
 }
 

@@ -1,5 +1,5 @@
 /* evolve_positions.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i /
- * |zeta_i|, normals carried by the averaged rotation, and the state hash. In dynamics: x~, from where a sweep goes on.
+ * |zeta_i|, normals rotated by the averaged rotation, and the state hash. In dynamics: x~, for the end of the sweep.
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
@@ -12,7 +12,7 @@ void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 
 void smr_evolve_reset(smr_evolve *e) { memset(e->tangent_smooth.limited, 0, e->shared->n); }
 
-/* The displacement from ref by the average of its clusters' transforms; rotates *normal. w: the vertex' sum. */
+/* The displacement from ref by the average of the clusters' transforms, mm; rotates *normal. w: the vertex' sum. */
 static inline smr_vec average_displacement(int logs, const uint32_t *w, const float inverse[2], float share,
                                            smr_vec ref, smr_vec *normal)
 {
@@ -39,9 +39,8 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec ref = smr_get3(shape.x_ref, v), old = smr_get3(shape.x, v);
         smr_vec n = smr_get3(shape.normal_ref, v);
-        const smr_vec displacement =
-            average_displacement(logs, sum + SMR_WORDS * (size_t)v, inverse, share[v], ref, &n);
-        const smr_vec goal = smr_add(ref, displacement);
+        const uint32_t *const w = sum + SMR_WORDS * (size_t)v;
+        const smr_vec goal = smr_add(ref, average_displacement(logs, w, inverse, share[v], ref, &n));
         const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
         const smr_vec next = smr_add(smr_add(old, step), smr_tangent_displacement(&e->tangent_smooth, v));
         smr_put3(shape.x_next, v, shape.from != NULL ? goal : next);
@@ -49,7 +48,7 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* A vertex' part of the hash. The sum over vertices does not depend on their order. */
+/* A vertex' term of the hash. The sum over vertices does not depend on their order. */
 static uint64_t hash_point(uint32_t index, const float *p)
 {
     const uint64_t xy = (uint64_t)smr_float_bits(p[0] + 0.0f) << 32 | smr_float_bits(p[1] + 0.0f);

@@ -1,12 +1,12 @@
-/* evolve_positions.h: new positions x = x~ (paper 2.3, evolution), smoothed along the surface, with their normals;
- * plasticity. In: averaged transforms, x^r. Out: x_next and the size of the displacements; x^r where it follows.
+/* evolve_positions.h: new positions x = x~ (paper 2.3, evolution), smoothed along the surface, and their normals. In:
+ * averaged transforms, x^r. Out: x_next, next normals, and the size of the displacements.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_EVOLVE_POSITIONS_H
 #define SMR_EVOLVE_POSITIONS_H
 
 #include "registration/match/cluster_match.h"
 
-#define SMR_LIMITED_FULL 255.0f /* the whole step was limited */
+#define SMR_LIMITED_FULL 255.0f /* value of `limited` for a step that was removed */
 
 typedef struct smr_tangent_smooth {
     const smr_shared *shared;
@@ -14,9 +14,8 @@ typedef struct smr_tangent_smooth {
     const smr_shape *shape;
     const smr_surface_goals *goals;
     smr_rings rings;
-    float share; /* share of the displacement to the mesh neighbours' mean in this iteration; 0: off */
-    /* [n] largest share of a step that fold limits removed since the last radius began; SMR_LIMITED_FULL: all */
-    uint8_t *limited;
+    float share;      /* share of the displacement to the mesh neighbours' mean in this iteration; 0: off */
+    uint8_t *limited; /* [n] largest share of a step removed by fold limits at the last radius, 1 / SMR_LIMITED_FULL */
 } smr_tangent_smooth;
 
 typedef struct smr_evolve {
@@ -28,18 +27,17 @@ typedef struct smr_evolve {
     smr_tangent_smooth tangent_smooth;
     smr_tally *tally;
     float moved_mm;       /* largest displacement of the current iteration, mm */
-    float mean_mm;        /* mean displacement, mm, where the configuration needs it */
-    uint64_t hash;        /* hash of the current positions */
-    uint32_t normals_due; /* 1: the iteration ends with normals computed from triangles */
+    float mean_mm;        /* mean displacement of the current iteration, mm; 0 unless motion.plastic_by is MEAN */
+    uint64_t hash;        /* hash of x_next */
+    uint32_t normals_due; /* 1: normals are computed from triangles in this iteration */
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
 void smr_evolve_reset(smr_evolve *e); /* called when an iteration is abandoned */
 
 uint32_t smr_evolve_tasks(const void *evolve);
-void smr_evolve_step(void *evolve, uint32_t task, uint32_t worker);
-/* displacements and hash of the final positions */
-void smr_evolve_measure(void *evolve, uint32_t task, uint32_t worker);
+void smr_evolve_step(void *evolve, uint32_t task, uint32_t worker);    /* writes x_next and next normals */
+void smr_evolve_measure(void *evolve, uint32_t task, uint32_t worker); /* displacements and hash of x_next */
 void smr_evolve_measure_end(smr_evolve *e);
 uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* xyz: [n][3] */
 
@@ -49,9 +47,9 @@ uint32_t smr_tangent_tasks(const void *tangent_smooth);
 void smr_tangent_clear(void *tangent_smooth, uint32_t task, uint32_t worker);
 uint32_t smr_tangent_sum_tasks(const void *tangent_smooth);
 void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* tasks run one after the other */
-/* valid from the sums until the folds are searched */
-smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);  /* mm; valid until the fold steps */
 
+/* Notes that a fold step removed this share of the step of vertex v. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
 {
     if (smr_at_last_radius(e->shared, e->schedule))

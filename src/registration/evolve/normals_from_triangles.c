@@ -1,6 +1,6 @@
-/* normals_from_triangles.c: vertex normals computed from the triangles at x_next, area-weighted, where the iteration
- * ends with a new reference shape or the configuration asks for it; otherwise the averaged rotations rotate them. The
- * sums and their order are those of smr_mesh_normals(), cut into small tasks.
+/* normals_from_triangles.c: area-weighted vertex normals from the triangles at x_next, in iterations that end with a
+ * new reference shape or where the configuration demands; in other iterations averaged rotations rotate the normals.
+ * The sums and their order are those of smr_mesh_normals().
  * Bounds: one pass over triangles, two over vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"

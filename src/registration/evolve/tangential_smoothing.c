@@ -1,8 +1,8 @@
-/* tangential_smoothing.c: smooths displacements along the surface, at the last radius. Nothing else determines where on
- * the surface a vertex lies there: clusters are single vertices, and forces are normal to the target. Decisions by
- * the last bit on the way would otherwise stay and grow. The displacement is measured from the rest shape in its
- * pose. x moves tangentially towards the position whose displacement is the mean of its mesh neighbours'. The share
- * falls to 0 at the end. It is 0 where fold limits removed a step, since smoothing would work against them.
+/* tangential_smoothing.c: smooths displacements along the surface at the last radius, where nothing else determines the
+ * place of a vertex on the surface: clusters are single vertices, and forces are normal to the target. Differences in
+ * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. x moves tangentially
+ * towards the mean displacement of the mesh neighbours. The share falls to 0 at the end, and is 0 where fold limits
+ * removed a step.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
@@ -50,7 +50,7 @@ void smr_tangent_clear(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Sums of the mesh neighbours' displacements. Triangles share vertices, so tasks run one after the other. */
+/* Sums the displacements of mesh neighbours. Triangles share vertices, so tasks run one after the other. */
 void smr_tangent_sum(void *arg, uint32_t task, uint32_t worker)
 {
     smr_tangent_smooth *e = arg;

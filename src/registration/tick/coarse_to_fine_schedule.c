@@ -1,5 +1,5 @@
-/* coarse_to_fine_schedule.c: what happens between iterations, from coarse to fine: which vertices take part, how far
- * goals are sought, whether x^r = x (plasticity.c), and the next finer radius (convergence.c, schedule_radius.c).
+/* coarse_to_fine_schedule.c: the schedule between iterations: active vertices, search distances, x^r = x (plasticity.c)
+ * and the next finer radius (convergence.c, schedule_radius.c).
  * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
@@ -24,7 +24,7 @@ static void choose_active(smr *s)
     s->budget.cut = 0;
 }
 
-/* Notes which structures have a target. A target that is set during the iteration counts from the next one on. */
+/* Stores the structures that have a target. A target that is set during an iteration counts from the next one on. */
 static void begin_targets(smr_surface_goals *g)
 {
     g->n_goals_at_begin = g->n_goals;
@@ -36,22 +36,18 @@ static void begin_targets(smr_surface_goals *g)
 
 void smr_schedule_start(smr *s)
 {
-    s->schedule.iteration = 0;
-    s->schedule.since_plastic = 0;
-    s->schedule.plastic_updates = 0;
-    s->schedule.converged = s->schedule.done = s->schedule.repairing = 0;
-    s->schedule.gain = 1.0f;
+    smr_schedule *p = &s->schedule;
+    p->iteration = p->since_plastic = p->plastic_updates = p->converged = p->done = p->repairing = 0;
+    p->gain = p->fade = 1.0f;
     if (SMR_HAS_TRACK)
         smr_tracking_end(s);
-    s->step = 0;
-    s->next_task = 0;
+    s->step = s->next_task = 0;
     s->forces.surface.limit = 0.0f;
     if (smr_visibility_on(&s->forces.surface))
         smr_visibility_start(&s->forces.surface);
-    s->schedule.fade = 1.0f;
     begin_targets(&s->forces.surface);
     smr_radius_go(s, s->shared.config.schedule.radius_first);
-    s->shape.rest_pose_due = 1; /* an abandoned iteration may have fitted it to other positions */
+    s->shape.rest_pose_due = 1; /* an abandoned iteration may have fitted the rest pose to other positions */
     if (smr_moves(s))
         smr_time_steps_start(s);
 }
@@ -68,11 +64,10 @@ void smr_schedule_next(smr *s)
     }
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration);
     const int plastic = smr_plastic_due(s, &e, s->schedule.since_plastic);
-    const int repairs = s->schedule.repairing > 0u; /* iterations of fold repair do not count */
-    if (repairs) {
-        s->schedule.repairing =
-            s->folds.n_folding > 0u && s->schedule.repairing < SMR_REPAIR_MAX ? s->schedule.repairing + 1u : 0u;
-        s->schedule.radius_iteration = 0;
+    const uint32_t repairs = s->schedule.repairing;
+    if (repairs > 0u) {
+        s->schedule.repairing = s->folds.n_folding > 0u && repairs < SMR_REPAIR_MAX ? repairs + 1u : 0u;
+        s->schedule.radius_iteration = 0; /* iterations of fold repair do not count */
     }
     if (plastic)
         smr_plastic_update(s);
@@ -81,14 +76,14 @@ void smr_schedule_next(smr *s)
         s->schedule.done = !SMR_HAS_TRACK || s->shared.config.track.mode == SMR_TRACK_OFF;
         if (SMR_HAS_TRACK && !s->schedule.done)
             smr_tracking_start(s);
-    } else if (!repairs && !smr_at_last_radius(&s->shared, &s->schedule) && (e.settled || e.spent)) {
-        /* a cloud that has grown much repeats the radius; its memory limits it, so repetition ends */
+    } else if (repairs == 0u && !smr_at_last_radius(&s->shared, &s->schedule) && (e.settled || e.spent)) {
+        /* a much larger cloud repeats the radius; the cloud's memory limits its size, so repetition ends */
         const int grown = (float)s->forces.surface.n_points_at_begin > SMR_GROWN * (float)s->schedule.n_points;
         smr_radius_go(s, s->schedule.radius + (grown ? 0u : 1u));
     }
 }
 
-/* Share of image forces and momentum in this iteration. It falls to 0 in equal steps over the second half of the
+/* Share of image forces and momentum in this iteration. The share falls to 0 in equal steps over the second half of the
  * last radius, so that the model converges to the mean of goals that jump between samples. */
 static float fade_of(const smr *s)
 {

@@ -14,8 +14,8 @@ static void forces_end(smr *s)
     s->report.details.n_active = t->n_with_target;
     s->report.n_forces = t->n_forces;
     s->report.details.n_rejected = t->n_rejected;
-    /* no forces act while folds are repaired */
-    const int attracts = smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u;
+    const int attracts =
+        smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u; /* repairs have no forces */
     s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
     s->report.details.matched_share = s->forces.matched;
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
@@ -108,8 +108,7 @@ void smr_abandon_iteration(smr *s)
     s->step = s->next_task = 0;
 }
 
-/* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in
- * pieces. */
+/* A step whose tasks run in any order; one after the other (SERIAL); along the order L, in pieces (CHAIN). */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
 #define SMR_ROW(part, phase, work, order, member, n_tasks, run, end, pieces, abreast)                                  \
     {                                                                                                                  \
@@ -124,21 +123,21 @@ void smr_abandon_iteration(smr *s)
     SMR_ROW(part, phase, work, SMR_ANY_ORDER, member, n_tasks, run, NULL, SMR_IN(part, pieces), SMR_IN(part, abreast))
 
 /* clang-format off */
-const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of the whole registration */
-    /* in dynamics: where this sweep starts */
+const smr_step smr_steps[] = { /* member `magic` stands for the whole registration */
+    /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
-    /* compute external forces f^e: first the steps of the sources of goals, then the search in the order of priority */
+    /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
     SMR_STEP(CALLER, FORCES, TASKS, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve, NULL),
     SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),
     SMR_STEP(PLAIN, FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
-    /* smoothing; contact, now that the number of active vertices is final; then the forces */
+    /* the number of active vertices is final: smoothing; contact; forces */
     SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
     SMR_STEP(CONTACT, FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
-    /* when x^r or the active vertices are new: centres, masses and spreads of the clusters */
+    /* rest pose; where x^r or the active vertices are new: centres, masses and spreads of the clusters */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
     SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
     SMR_STEP(REFERENCE, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
@@ -155,12 +154,12 @@ const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of
     SMR_STEP(PLAIN, AVERAGE, ACTIVE, match, smr_average_tasks, smr_average_record, NULL),
     SMR_CHAIN_STEP(PLAIN, AVERAGE, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
     SMR_SERIAL_STEP(PLAIN, AVERAGE, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
-    /* evolve positions, x = x~, evened out along the surface; in dynamics: where the sweep ends */
+    /* evolve positions, x = x~, smoothed along the surface; dynamics: end positions of the sweep */
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_tasks, smr_tangent_clear, NULL),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_sum_tasks, smr_tangent_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
     SMR_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_sweep_tasks, smr_sweep_end, NULL),
-    /* volumes, and positions kept out of what they touch */
+    /* volume preservation; positions out of contact; triangles */
     SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_correct, NULL),
     SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_triangles_tasks, smr_triangles_refit, triangles_end),
@@ -170,7 +169,7 @@ const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
     SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, triangles_again, smr_refit_again, triangles_end),
-    /* where structures have gone, for x^r to follow while targets are tracked, and in dynamics */
+    /* tracking and dynamics: poses of structures, which x^r follows */
     SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
     /* displacements; normals; then all results become current at once, and x^r = x where plasticity applies */
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
@@ -183,10 +182,10 @@ const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of
 /* clang-format on */
 
 #define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
-_Static_assert(sizeof smr_steps / sizeof smr_steps[0] <= SMR_STEPS_MAX, "the time budget's table is too short");
+_Static_assert(SMR_STEPS <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
 
-/* Returns 1 while the current iteration still reads targets: later steps use copies. */
+/* Later steps do not read targets. */
 int smr_forces_pending(const smr *s)
 {
     for (uint32_t i = s->step; i < SMR_STEPS; i++)

@@ -1,5 +1,5 @@
-/* tick.c: runs the steps of an iteration and watches the time. A step has independent tasks and a serial end. The
- * clock is read between groups of tasks; a tick that runs out of time resumes at the next task.
+/* tick.c: runs the steps of an iteration and watches the time. A step has independent tasks and a serial end. The tick
+ * reads the clock between groups of tasks; after the end of the budget the next tick resumes at the next task.
  * Bounds: those of the steps.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
@@ -7,8 +7,7 @@
 
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
 
-/* A loop over `count` tasks of one step from `first` on, in bundles of tasks. Without a budget bundles save the time
- * of handing out single tasks. */
+/* A loop over `count` tasks of one step from `first` on, in bundles of tasks. Bundles save time between tasks. */
 typedef struct part_of_step {
     void *stage;
     smr_task run;
@@ -17,7 +16,7 @@ typedef struct part_of_step {
     uint32_t refused; /* 1: a worker's number was not below n_workers. Any thread sets it, atomically */
 } part_of_step;
 
-#define SMR_BUNDLES 64u /* bundles of a step, about */
+#define SMR_BUNDLES 64u /* about the number of bundles of a step */
 
 static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 {
@@ -45,11 +44,10 @@ typedef struct watch {
     uint64_t deadline; /* end of this tick; 0: no budget */
     uint64_t budget;   /* the tick's budget; 0: none */
     uint64_t last;     /* last reading of the clock */
-    int begun;         /* 0: the first group of tasks runs even without time left, so that each tick makes progress */
+    int begun;         /* 0: the first group of tasks always runs, so that each tick makes progress */
 } watch;
 
-/* Reads the clock. Returns 1 when the budget is used up, or will be in `ahead` ns. A clock that runs backwards also
- * ends the tick. */
+/* Reads the clock. Returns 1 when the budget ends within `ahead` ns, or the clock has run backwards. */
 static int over(smr *s, watch *w, uint64_t ahead)
 {
     const uint64_t time = now(s);
@@ -61,8 +59,8 @@ static int over(smr *s, watch *w, uint64_t ahead)
     return back || time >= w->deadline || ahead > w->deadline - time;
 }
 
-/* Leaves vertices out from the next task on, when the iteration would not end in time with them: lowers n_active and
- * marks the reference as stale. Returns 1 then. */
+/* Returns 1 when the iteration would not end in time with more vertices: lowers n_active to the vertices searched so
+ * far and marks the reference as stale. */
 static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 {
     const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;
@@ -73,8 +71,8 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
     return 1;
 }
 
-/* Runs the current step of n >= 1 tasks. SMR_PARTIAL: the budget ended before the last task. SMR_E_STATE: a task was
- * refused. */
+/* Runs the current step of n >= 1 tasks. SMR_PARTIAL: the budget ended before the last task. SMR_E_STATE: the port or
+ * the caller's force broke its contract. */
 static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
     const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
@@ -86,7 +84,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
         if (cut(s, step, w, group))
             break;
         uint32_t count = smr_min_u32(group, n - s->next_task);
-        if (step->abreast != NULL) { /* the next pieces need the results of these */
+        if (step->abreast != NULL) { /* the next pieces need the results of the current ones */
             const uint32_t abreast = step->abreast(smr_stage_of(s, step));
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
@@ -100,7 +98,8 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-/* before: complete iterations when the tick began. An iteration that this tick completed has already set its radius. */
+/* before: number of complete iterations when the tick began. smr_commit() has reported a completed iteration's
+ * radius. */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
@@ -121,7 +120,8 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
     memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
 
-/* The report for the caller. The log keeps the values of the iteration, whatever was set since. */
+/* The report for the caller: without measures of forces on former targets. The log has the measures of the
+ * iteration. */
 static smr_tick_report report_of(const smr *s)
 {
     smr_tick_report r = s->report;

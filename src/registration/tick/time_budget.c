@@ -1,26 +1,26 @@
-/* time_budget.c: fits an iteration into a time budget. Each step's cost, in ns a unit of work, is learnt from the
- * port's clock. The search for goals runs in the order of priority and keeps in reserve the predicted cost of the
- * remaining steps. When the remaining time falls to the reserve, the remaining vertices are left out of this iteration
- * (paper 2.2, complexity tuning). All later steps depend only on the number of active vertices, so a cut iteration has
- * the same bits as one with that number set. If even the minimum set exceeds the budget, the iteration spans several
- * ticks and skips nothing. The same holds at the end of the schedule, where omissions could not be made up.
+/* time_budget.c: fits an iteration into a time budget. The port's clock gives each step's cost, in ns a unit of work.
+ * The search for goals runs in the order of priority and keeps in reserve the predicted cost of the later steps. When
+ * the remaining time falls to the reserve, the remaining vertices are left out of this iteration (paper 2.2, complexity
+ * tuning). Later steps depend only on the number of active vertices, so smr_set_active() with this number gives the
+ * same bits. If even the minimum set exceeds the budget, and at the end of the schedule, the iteration spans several
+ * ticks and skips nothing.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_steps.h"
 
 #define SMR_UNKNOWN (-1.0f)
-#define SMR_FOREVER 1.0e18f /* ns: stands for an unknown cost */
-#define SMR_RISE 0.5f       /* weight of a sample above the rate */
-#define SMR_FALL 0.125f /* weight of a sample below the rate, which therefore stays near the upper end of usual costs */
-#define SMR_OUTLIER 0.0625f  /* largest excess of a sample over the rate, over an iteration's time */
+#define SMR_FOREVER 1.0e18f  /* ns: stands for an unknown cost */
+#define SMR_RISE 0.5f        /* weight of a sample above the rate */
+#define SMR_FALL 0.125f      /* weight of a sample below the rate: the rate stays near the upper end of usual costs */
+#define SMR_OUTLIER 0.0625f  /* largest excess of a sample over the rate, as a share of an iteration's time */
 #define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
 #define SMR_MARGIN_MAX 1.5f
 #define SMR_LATE 0.0625f   /* added to the factor when an iteration did not end in its tick */
 #define SMR_IN_TIME 0.001f /* subtracted from the factor when it did: about one in sixty is late */
-/* ns: a longer time between two readings, which also exceeds the budget, is a jump of the clock */
-#define SMR_STRETCH_NS 100000000u
+#define SMR_STRETCH_NS                                                                                                 \
+    100000000u               /* ns: a longer time between two readings, and than the budget, is a jump of the clock */
 #define SMR_FORK_NS 50000.0f /* ns of work that justify one parallel loop */
-#define SMR_FORK_TASKS 64.0f /* most tasks for each worker in one parallel loop */
+#define SMR_FORK_TASKS 64.0f /* most tasks of a worker in one parallel loop */
 #define SMR_LOOK 16u         /* fewest vertices between two checks of the reserve */
 #define SMR_CLOSING 3u       /* 1 / share of the last radius in which vertices may be left out */
 #define SMR_FIRST 0.75f      /* share of the budget that is kept in reserve while costs are unknown */
@@ -41,12 +41,12 @@ static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
         return smr_fold_find_tasks(&s->folds) > 0u ? 1.0f : 0.0f;
     if (step->work != SMR_WORK_LISTS)
         return (float)n_tasks;
-    const smr_lists *l = &s->schedule.lists; /* fewer active vertices need less of them, but how much is not known */
+    const smr_lists *l = &s->schedule.lists; /* of the whole order L: the share of active vertices is not known */
     return (float)s->shared.n + (float)smr_le32(l->block[l->n_blocks].first_index);
 }
 
-/* The rate after one more sample. A sample is limited to twice the rate, or to SMR_OUTLIER of an iteration above it
- * if that is more, since other processes may have run in between. */
+/* The rate after a further sample. Since other processes may have run, a sample is at most twice the rate, or the rate
+ * plus SMR_OUTLIER of an iteration. */
 static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)
@@ -78,7 +78,7 @@ void smr_budget_learn(smr *s, uint32_t n_tasks)
         c->count = s->schedule.n_active;
 }
 
-/* Cost of a task of an unknown step, ns: that of the most expensive known step. */
+/* Cost of a task of an unknown step, ns: the cost of the most expensive known task. */
 static float dearest(const smr_time_budget *c)
 {
     float rate = SMR_UNKNOWN;
