@@ -1,5 +1,4 @@
-/* schedule_radius.c: the current cluster radius and what follows from it: iterations, active vertices, search
- * distances.
+/* schedule_radius.c: the current cluster radius, and its iterations, active vertices and search distances.
  * Bounds: SMR_RADII_MAX, SMR_LEVELS_MAX.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
@@ -19,8 +18,7 @@ uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, floa
     return best;
 }
 
-/* By default, with several structures, a radius at which no cluster has two structures, so that structures can slide
- * and joints can turn. */
+/* By default, with several structures, a radius with a cluster in one structure only: structures slide, joints turn. */
 uint32_t smr_radius_after(const smr *s)
 {
     const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);

@@ -1,5 +1,4 @@
-/* schedule_radius.h: the current cluster radius, the end of iterations (convergence.c), and when x^r = x
- * (plasticity.c).
+/* schedule_radius.h: the current cluster radius, convergence, and plasticity.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SCHEDULE_RADIUS_H
 #define SMR_SCHEDULE_RADIUS_H
@@ -29,8 +28,7 @@ typedef struct smr_ending {
 
 smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration); /* of this iteration at the current radius */
 
-/* plasticity.c: 1 when x^r = x after an iteration with this ending, the since_plastic-th iteration with the same
- * x^r. */
+/* 1: x^r = x after an iteration with this ending, which is number since_plastic with the same x^r. */
 int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic);
 int smr_plastic_ahead(const smr *s); /* 1: x^r = x after the current iteration, before it is complete */
 void smr_plastic_update(smr *s);     /* x^r = x; smr_plastic_normals() follows when the next normals are current */

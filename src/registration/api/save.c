@@ -60,17 +60,15 @@ static void keep_schedule(smr_arena *a, smr *s)
         return;
     smr_radius_take(s);
     smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
-    if (SMR_HAS_DYNAMICS && s->shared.config.dynamics.mode) {
+    const smr_config *c = &s->shared.config;
+    const uint32_t most =
+        smr_at_last_radius(&s->shared, p) ? c->basic.iterations_last : SMR_FIRST_CLOUD * c->basic.iterations;
+    if (SMR_HAS_DYNAMICS && c->dynamics.mode)
         smr_keep_require(a, !p->done && !p->repairing && p->radius == smr_radius_after(s));
-        return;
-    }
-    if (smr_tracks(p)) {
+    else if (smr_tracks(p))
         smr_keep_require(a, smr_tracking_legal(s));
-        return;
-    }
-    smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
-                                                    ? s->shared.config.basic.iterations_last
-                                                    : SMR_FIRST_CLOUD * s->shared.config.basic.iterations));
+    else
+        smr_keep_require(a, p->radius_iteration <= most);
 }
 
 static void keep_fields(smr_arena *a, smr *s)

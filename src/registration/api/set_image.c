@@ -12,11 +12,9 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return SMR_E_CONFIG;
     if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
         return SMR_E_STATE;
-    if (volume != NULL) {
-        const smr_status status = smr_grid_open(volume, &grid);
-        if (status != SMR_OK)
-            return status;
-    }
+    const smr_status status = volume == NULL ? SMR_OK : smr_grid_open(volume, &grid);
+    if (status != SMR_OK)
+        return status;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_VOLUME, 0, volume);
     if (volume == NULL && !s->forces.image.has_image)

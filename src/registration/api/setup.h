@@ -8,13 +8,11 @@
 /* Sets all fields that follow from model and configuration alone; the other fields become 0. */
 void smr_count(smr *s, const smr_model *model, const smr_config *config);
 
-/* Lists all slots and all saved values, after smr_count(). Returns the slot of the registration; NULL when measuring or
- * saving. */
+/* Lists all slots and saved values, after smr_count(). Returns the registration's slot; NULL to measure or save. */
 smr *smr_layout(smr_arena *a, smr *s);
 void smr_wire(smr *s); /* sets the pointers of each stage to what the stage reads */
 
-/* Lists distinct targets and the tasks of their search. goal may be NULL. Returns the number of entries needed in
- * target_warm. */
+/* Lists distinct targets and tasks of their search. goal may be NULL. Returns the needed entries of target_warm. */
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks);
 void smr_take_goals(smr_surface_goals *g); /* lists the targets into g; counts clouds and their points */
 /* stores size and checksum of the target of structures first .. last - 1 */
@@ -24,8 +22,7 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
 /* gives a structure, or SMR_ALL, a surface or a cloud, as smr_set_surface() and smr_set_points() */
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* Checks before an input is set. built: this build has the capability; legal: the input may be set now. Errors: E_NULL,
- * E_CONFIG, E_STATE. */
+/* Checks before an input is set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick is running). */
 static inline smr_status smr_settable(const smr *s, int built, int legal)
 {
     if (s == NULL)

@@ -1,5 +1,4 @@
-/* config.c: defaults and ranges of the configuration, from the table of settings; checks of fields against each other
- * and the model.
+/* config.c: defaults and ranges of the configuration, from the table of settings; checks against the model.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 #include "registration/config/config.h"

@@ -1,8 +1,7 @@
 /* tangential_smoothing.c: smooths displacements along the surface at the last radius, where nothing else determines the
  * place of a vertex on the surface: clusters are single vertices, and forces are normal to the target. Differences in
  * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. x moves tangentially
- * towards the mean displacement of the mesh neighbours. The share falls to 0 at the end, and is 0 where fold limits
- * removed a step.
+ * towards the mean displacement of the mesh neighbours. The share falls to 0 at the end, and where fold limits act.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"

@@ -2,10 +2,8 @@
  * cosine of an edge may use a share of the remaining margin. Beyond that share the steps of the edge's four corners
  * move towards their mean: equal steps do not turn the edge. A vertex of several such edges moves towards the weighted
  * mean of their requests by the largest requested share. Edges with common corners affect each other, so several rounds
- * follow. The result is continuous in the positions. Steps of an edge that would still fold are halved, finally
- * removed.
- * Bounds: SMR_LIMIT_ROUNDS passes over the dihedral edges, and SMR_SOFT_ROUNDS over triangles and vertices of the
- * structures that fold.
+ * follow. The result is continuous in the positions. Steps of edges that still fold are halved, then removed.
+ * Bounds: SMR_LIMIT_ROUNDS passes over dihedral edges; SMR_SOFT_ROUNDS over triangles and vertices with folds.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 

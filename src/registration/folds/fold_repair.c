@@ -1,7 +1,6 @@
 /* fold_repair.c: repairs folds before the last two radii, in iterations without forces. A patch around a fold, which
  * grows while the fold remains, gets the smoothest displacement from the rest shape that fits its surroundings.
- * Bounds: one pass over the dihedral edges; for each ring of the patch 3 + 2 SMR_REPAIR_SWEEPS over structures that
- * fold.
+ * Bounds: one pass over the dihedral edges; for each ring of the patch 3 + 2 SMR_REPAIR_SWEEPS over a structure.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
@@ -50,7 +49,7 @@ static void widen(smr_folds *f, const uint32_t *t, const uint32_t *end)
                 f->marked[t[c]] |= 2u;
 }
 
-/* Makes the marks of all rings equal. */
+/* Makes the marks of all rings equal to 1. */
 static void join(smr_folds *f, const uint32_t *t, const uint32_t *end)
 {
     for (; t < end; t++)

@@ -117,8 +117,7 @@ static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_
 /* The cosine of the angle between the normals of an edge's triangles at x [n][3]. */
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h);
 
-/* The share, 0..1, by which the steps of an edge's corners must move towards their mean when the edge's cosine would
- * become `next`. */
+/* The share, 0..1, by which the steps of an edge's corners move towards their mean for a next cosine of `next`. */
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next);
 
 static inline const uint32_t *smr_corners(const smr_folds *f, uint32_t t)

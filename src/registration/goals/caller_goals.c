@@ -1,6 +1,5 @@
 /* caller_goals.c: goals and forces that the caller supplies. The caller's force is evaluated once for each chunk of
- * vertices, before goals are searched for. An array stores the output, so neither threads nor budgets change the
- * result.
+ * vertices, before goals are searched for. Stored outputs do not depend on threads and budgets.
  * Bounds: one call for each SMR_CALLER_CHUNK active vertices, two calls where the force is checked.
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/caller_goals.h"
@@ -33,19 +32,14 @@ static void call(const smr_caller_goals *g, const smr_force_view *view, chunk *c
     g->force(g->ctx, view, c->displacement[0], c->weight);
 }
 
-static int legal(const chunk *c, uint32_t i)
-{
-    return smr_within3(smr_load(c->displacement[i]), SMR_COORD_MAX) && c->weight[i] >= 0.0f &&
-           c->weight[i] <= SMR_CALLER_WEIGHT;
-}
-
 /* Stores the output of a call. Returns 0 when a value of the output is not legal. */
 static int keep(smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
 {
     int good = 1;
     for (uint32_t i = 0; i < n; i++) {
         float *to = g->force_output + 4u * ((size_t)first + i);
-        good &= legal(c, i);
+        good &= smr_within3(smr_load(c->displacement[i]), SMR_COORD_MAX);
+        good &= c->weight[i] >= 0.0f && c->weight[i] <= SMR_CALLER_WEIGHT;
         memcpy(to, c->displacement[i], 3u * sizeof(float));
         to[3] = c->weight[i];
     }

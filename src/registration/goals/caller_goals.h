@@ -11,8 +11,7 @@
 
 struct smr_caller_goals;
 
-/* Functions for the caller's goals in an iteration. Only the setters name them, so a program without the setters links
- * none. */
+/* Functions for the caller's goals in an iteration. Programs without the setters, which name them, link none. */
 typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task); /* calls the caller's force for a chunk of vertices */
     /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of the weights */

@@ -1,7 +1,6 @@
-/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the displacements that the sources of
- * goals give, and the displacements of contact.
- * Bounds: one pass over the vertices; those of the sources; those of contact_detection.c for active vertices and, in
- * some iterations, for triangles.
+/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from displacements to goals and of
+ * contact.
+ * Bounds: one pass over the vertices; those of the sources, and of contact_detection.c for vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
 #include "registration/goals/external_forces.h"

@@ -43,15 +43,13 @@ typedef struct smr_forces {
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_forces_reset(smr_forces *f);      /* discards the results of the forces of an abandoned iteration */
 void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
-/* Share of a structure's searched vertices that had a goal in the last search; -1: not yet searched with this
- * target. */
+/* Share of a structure's searched vertices that have a goal; -1: not yet searched on this target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
 uint32_t smr_forces_tasks(const void *forces);
 void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* step: displacements to goals */
-/* Share of its force that a vertex gets, 0..1. Falls at the end for vertices with image goals far from hard
- * landmarks. */
+/* Factor on the force of v, 0..1. Falls at the end for vertices with image goals far from hard landmarks. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
 uint32_t smr_contact_tasks(const void *forces);
 void smr_contact_search(void *forces, uint32_t task, uint32_t worker); /* step: contacts and their displacements */
@@ -67,8 +65,7 @@ static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
     return smr_scale(step, f->schedule->repairing > 0u ? 0.0f : f->schedule->momentum * f->schedule->fade);
 }
 
-/* The displacement from x^r that the match fits, mm: x + f^e - x^r plus momentum. In dynamics forces act on vertices,
- * not on the fits: `from` - x^r. */
+/* The displacement from x^r that the match fits, mm: x + f^e - x^r plus momentum; in dynamics `from` - x^r. */
 static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 {
     const smr_vec x = smr_get3(f->shape->x, v);
@@ -86,8 +83,7 @@ void smr_sources_commit(smr_forces *f); /* called when the current forces are co
 void smr_sources_drop(smr_forces *f,
                       uint32_t v); /* clears the pulls on an unused vertex: none act in the next iteration */
 
-/* The displacement from v to its goal, mm: the mean over all sources by weight; a goal on a target has weight 1.
- * Returns SMR_FOUND_... */
+/* The displacement from v to its goal, mm: the weighted mean over all sources. Returns SMR_FOUND_... */
 uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement);
 
 #endif

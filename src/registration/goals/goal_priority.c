@@ -78,13 +78,6 @@ void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &displacement);
 }
 
-/* Weight of a vertex' image goal beside its surface goal. rest: the image shows vertices that the surface does not. */
-static float weight_beside(const smr_forces *f, int rest)
-{
-    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
-    return rest ? 1.0f : looks ? f->shared->config.image.beside * f->schedule->fade : 0.0f;
-}
-
 /* The displacement to a goal on a mesh or a cloud, mm; also judges the vertex' visibility. Returns 0 without a goal. */
 static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
 {
@@ -106,7 +99,8 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     const int found = goal_on_target(f, v, drawn, displacement), rest = smr_field_of_rest(&f->occluded, v);
     const int partial = SMR_HAS_PARTIAL && drawn->partial, landmarks = smr_landmarks_on(&f->landmarks);
     const int goal = partial ? f->surface.visibility_next[v] > 0u : found;
-    const float beside = weight_beside(f, rest);
+    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
+    const float beside = rest ? 1.0f : looks ? f->shared->config.image.beside * f->schedule->fade : 0.0f;
     float weight = rest ? (float)f->surface.visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE) : (float)goal;
     smr_vec own;
     const int in_image = SMR_HAS_IMAGE && beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
@@ -161,8 +155,8 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
     return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement to the goal of a vertex without the caller's goals, mm; 0: none. A vertex without triangles follows
- * neither surface nor image. */
+/* The displacement to a vertex' goal without the caller's, mm. A vertex without triangles follows no surface or
+ * image. */
 static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];

@@ -15,8 +15,7 @@ void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1
 
 uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
-/* A task is a block, or a piece of a block: task = piece * n_blocks + block, so the first pieces of all blocks come
- * before the second ones. */
+/* A task is a block, or a piece of a block: task = piece * n_blocks + block. */
 uint32_t smr_block_tasks(const void *arg)
 {
     const smr_sums *s = arg;

@@ -1,6 +1,5 @@
 /* deformed_shape.c: arrays of the deforming model; normals and box trees of its moving triangles, for target-to-model
- * attraction and contact; the rest pose, a similarity from the rest shape onto x, fitted when a registration or its
- * last radius starts.
+ * attraction and contact; the rest pose, fitted when a registration or its last radius starts.
  * Bounds: one pass over vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/deformed_shape.h"

@@ -1,5 +1,4 @@
-/* deformed_shape.h: the deforming model: positions, normals, reference shape and moving triangles. In: the model. Out:
- * positions that all stages read.
+/* deformed_shape.h: the deforming model: positions, normals, reference shape and moving triangles. In: the model.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_DEFORMED_SHAPE_H
 #define SMR_DEFORMED_SHAPE_H
@@ -28,8 +27,7 @@ typedef struct smr_track_rest {
     uint32_t n_tasks;           /* number of tasks of the summation */
     uint32_t due;               /* 1: x^r follows in this iteration. Written by tracking.c and dynamics_time_steps.c */
     uint32_t predicted;         /* 1: structures were already moved ahead for the current targets */
-    /* the place that the pose is fitted to for vertex v, which the iteration moved to x; NULL: x. Written by
-     * dynamics_time_steps.c */
+    /* place to which the pose of vertex v, moved to x, is fitted; NULL: x. Written by dynamics_time_steps.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
 } smr_track_rest;
 
@@ -61,8 +59,7 @@ typedef struct smr_shape {
     smr_pose *track_pose;       /* [n_structures] rigid pose of each structure, from track_rest_x to x */
     smr_pose *track_pose_last;  /* [n_structures] track_pose when targets were set last; NULL: nothing is predicted */
     struct smr_dynamics *dynamics; /* NULL: no dynamics */
-    /* [n][3] positions at which the sweep of dynamics starts, mm, until evolve, in the memory of x_next; NULL: x.
-     * Written by dynamics_time_steps.c */
+    /* [n][3] start positions of a sweep of dynamics, mm, until evolve, in the memory of x_next; NULL: x */
     float *from;
 } smr_shape;
 

@@ -158,8 +158,7 @@ static smr_twist part_of(const smr_pose *p, float share)
     return twist;
 }
 
-/* Moves a structure's vertices and their x^r by a rigid motion. The remaining share of the last iteration's
- * displacement stays as momentum. */
+/* Moves x and x^r of a structure by a rigid motion. The remaining share of the last displacement stays as momentum. */
 static void move_structure(smr_shape *shape, uint32_t structure, const smr_twist *by)
 {
     const smr_shape_structure *one = &shape->structure[structure];

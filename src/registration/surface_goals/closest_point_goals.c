@@ -1,6 +1,5 @@
 /* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal,
- * averaged with the pulls of target vertices (target_to_model_pulls.c). Displacements along the surface count by a
- * share.
+ * averaged with the pulls of target vertices (target_to_model_pulls.c). Its part along the surface is reduced.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -119,8 +118,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     return !smr_reject_outside(c, smr_add(smr_add(p, find->displacement), target->origin));
 }
 
-/* Goals that jump from one place of the target to another jump along the surface. Vertices without triangles have no
- * normal. */
+/* Goals that jump between places of the target jump along the surface. Vertices without triangles have no normal. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
 {
     const smr_vec n = smr_get3(g->shape->normal, v), along_normal = smr_scale(n, smr_dot(n, displacement));

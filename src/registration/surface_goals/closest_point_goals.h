@@ -1,6 +1,5 @@
 /* closest_point_goals.h: goals on target surfaces (paper 2.1; 3, geometric registration): the closest point of the
- * target, averaged with the target's pulls. In: positions, normals, target surfaces. Out: the displacement of each
- * vertex to its goal.
+ * target, averaged with the target's pulls. In: positions, normals, surfaces. Out: displacements of vertices to goals.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLOSEST_POINT_GOALS_H
 #define SMR_CLOSEST_POINT_GOALS_H

@@ -41,8 +41,7 @@ static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query 
     q->normal = smr_scale(view, 1.0f / length);
 }
 
-/* Finds the closest acceptable model point over all structures that share this target. Returns the point's structure or
- * SMR_NONE. */
+/* Finds the closest acceptable model point on structures with this target. Returns the structure or SMR_NONE. */
 static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
                                   smr_hit *hit, smr_near_list *near)
 {

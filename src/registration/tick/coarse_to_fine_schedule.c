@@ -1,5 +1,4 @@
-/* coarse_to_fine_schedule.c: the schedule between iterations: active vertices, search distances, x^r = x (plasticity.c)
- * and the next finer radius (convergence.c, schedule_radius.c).
+/* coarse_to_fine_schedule.c: the schedule between iterations: active vertices, search distances, x^r = x, next radius.
  * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"

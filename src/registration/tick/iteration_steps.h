@@ -26,8 +26,7 @@ enum {
     SMR_PART_HELD = SMR_PART_TRACK | SMR_PART_DYNAMICS
 };
 
-/* A step: n_tasks tasks (0: the step is skipped), then one serial call of `end`. All functions but `end` get the
- * stage's own struct. */
+/* A step: n_tasks tasks (0: no step), then one serial call of `end`. Other functions get the stage's own struct. */
 typedef struct smr_step {
     uint16_t part;        /* SMR_PART_...: the step runs where one of these parts is in use */
     uint16_t phase;       /* SMR_PHASE_... */

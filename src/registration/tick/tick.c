@@ -59,8 +59,7 @@ static int over(smr *s, watch *w, uint64_t ahead)
     return back || time >= w->deadline || ahead > w->deadline - time;
 }
 
-/* Returns 1 when the iteration would not end in time with more vertices: lowers n_active to the vertices searched so
- * far and marks the reference as stale. */
+/* Returns 1 when more vertices would exceed the time: sets n_active to the number of vertices searched so far. */
 static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 {
     const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;
@@ -71,8 +70,7 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
     return 1;
 }
 
-/* Runs the current step of n >= 1 tasks. SMR_PARTIAL: the budget ended before the last task. SMR_E_STATE: the port or
- * the caller's force broke its contract. */
+/* Runs the current step of n >= 1 tasks. SMR_PARTIAL: the budget ended. SMR_E_STATE: port or caller's force failed. */
 static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
     const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
@@ -98,8 +96,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-/* before: number of complete iterations when the tick began. smr_commit() has reported a completed iteration's
- * radius. */
+/* before: number of complete iterations when the tick began. smr_commit() reports the radius of a complete one. */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
@@ -120,8 +117,7 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
     memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
 
-/* The report for the caller: without measures of forces on former targets. The log has the measures of the
- * iteration. */
+/* The report for the caller: without measures of forces on former targets, which the log records. */
 static smr_tick_report report_of(const smr *s)
 {
     smr_tick_report r = s->report;

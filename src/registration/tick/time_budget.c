@@ -45,8 +45,8 @@ static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
     return (float)s->shared.n + (float)smr_le32(l->block[l->n_blocks].first_index);
 }
 
-/* The rate after a further sample. Since other processes may have run, a sample is at most twice the rate, or the rate
- * plus SMR_OUTLIER of an iteration. */
+/* The rate after a further sample, which counts at most as twice the rate or the rate plus SMR_OUTLIER of an iteration:
+ * other processes may have run. */
 static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)

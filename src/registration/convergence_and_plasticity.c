@@ -1,0 +1,65 @@
+/* convergence_and_plasticity.c: the end of a radius, and of the registration with the last radius; and when the
+ * reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration): when the model is at rest
+ * (paper 3), after plastic_every iterations, and at the end of a radius.
+ * Bounds: one pass over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "registration/schedule_radius.h"
+
+/* Returns 1 when a radius may end before its last iteration. With tangential smoothing the last radius does not, since
+ * rounding would decide. Volumes reach their ratios at the first radius. */
+static int may_end_early(const smr *s)
+{
+    if (smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes))
+        return 0;
+    if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->schedule))
+        return 0; /* triangles are tested for contact in its last iterations */
+    return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->schedule) ||
+           s->forces.surface.n_goals_at_begin == 0u || !(s->shared.config.basic.even > 0.0f);
+}
+
+/* A radius ends when no vertex moves by settle_um or more, or after its number of iterations. */
+smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration)
+{
+    const int last = smr_at_last_radius(&s->shared, &s->schedule);
+    const float moved_um = s->evolve.moved_mm * 1000.0f;
+    smr_ending e;
+    e.settled = moved_um < s->shared.config.motion.settle_um && may_end_early(s);
+    e.spent = radius_iteration >= smr_radius_iterations(s);
+    e.small = moved_um < s->shared.config.motion.plastic_um;
+    e.done = s->schedule.repairing == 0u && last && (e.settled || e.spent);
+    return e;
+}
+
+int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
+{
+    const smr_config *c = &s->shared.config;
+    const int still =
+        c->motion.plastic_by == SMR_PLASTIC_MEAN ? s->evolve.mean_mm * 1000.0f < c->motion.plastic_um : e->small;
+    const int due = c->motion.plastic_every != 0u && since_plastic >= c->motion.plastic_every;
+    return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
+}
+
+/* In tracking and dynamics x^r is tracking's rest shape in new poses (tracking_rest_shape.c). */
+int smr_plastic_ahead(const smr *s)
+{
+    const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);
+    return !s->schedule.tracking && s->shape.dynamics == NULL && smr_plastic_due(s, &e, s->schedule.since_plastic + 1u);
+}
+
+void smr_plastic_update(smr *s)
+{
+    smr_plastic_positions(&s->shape);
+    s->reference.stale = 1;
+    s->schedule.since_plastic = 0;
+    s->schedule.plastic_updates++;
+}
+
+void smr_plastic_positions(smr_shape *shape)
+{
+    memcpy(shape->x_ref, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
+}
+
+void smr_plastic_normals(smr_shape *shape)
+{
+    memcpy(shape->normal_ref, shape->normal, 3u * (size_t)shape->shared->n * sizeof(float));
+}
