@@ -58,7 +58,7 @@ typedef struct smr_rings {
     float *requested;    /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
 } smr_rings;
 
-/* Adds the value [n][3] of each corner of triangle t to the sums of the other two: a neighbour counts once a triangle. */
+/* Adds value [n][3] of each corner of triangle t to the sums of the other two: a neighbour counts once a triangle. */
 static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const float *value)
 {
     float *const sum = rings->sum, *const weight = rings->weight;
