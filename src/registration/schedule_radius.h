@@ -5,8 +5,7 @@
 
 #include "registration/registration.h"
 
-#define SMR_FIRST_CLOUD                                                                                                \
-    3u /* factor on the first radius' iterations with clouds: points without normals converge slowly */
+#define SMR_FIRST_CLOUD 3u /* factor on the first radius' iterations with clouds, which converge slowly */
 #define SMR_REPAIR_MAX 30u /* most iterations of fold repair before a radius starts */
 
 void smr_radius_go(smr *s, uint32_t radius);  /* continues at this radius */

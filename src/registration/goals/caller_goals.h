@@ -27,14 +27,13 @@ typedef struct smr_caller_goals {
     const smr_schedule *schedule;
     const smr_shape *shape;
     /* written when the caller sets goals or a force */
-    smr_goals *goals; /* [n_structures] goals of each structure; NULL: config.caller.goals is 0 */
-    smr_force force;  /* the caller's function; NULL: none */
-    void *ctx;        /* first argument of `force` */
-    float
-        *force_output; /* [n][4] output of the force: displacement, mm, and weight; NULL: config.caller.force is off */
-    uint32_t broken;   /* 1: the force returned illegal or varying values. Any thread sets it, atomically */
-    uint32_t summed;   /* 1: the current forces are complete, and `sum` is their checksum */
-    uint64_t sum;      /* checksum of the force's output for active vertices */
+    smr_goals *goals;      /* [n_structures] goals of each structure; NULL: config.caller.goals is 0 */
+    smr_force force;       /* the caller's function; NULL: none */
+    void *ctx;             /* first argument of `force` */
+    float *force_output;   /* [n][4] output of the force: displacement, mm, and weight; NULL: caller.force is off */
+    uint32_t broken;       /* 1: the force returned illegal or varying values. Any thread sets it, atomically */
+    uint32_t summed;       /* 1: the current forces are complete, and `sum` is their checksum */
+    uint64_t sum;          /* checksum of the force's output for active vertices */
     uint64_t reported_sum; /* checksum of the last completed iteration's output; 0: none. Written by the tick */
 } smr_caller_goals;
 

@@ -1,5 +1,4 @@
-/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from displacements to goals and of
- * contact.
+/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), and the displacements of contact.
  * Bounds: one pass over the vertices; those of the sources, and of contact_detection.c for vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
@@ -93,7 +92,7 @@ static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *ta
 
 uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
 
-/* The number of active vertices is final here. */
+/* Turns displacements into forces. The number of active vertices is final from here on. */
 void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
 {
     smr_forces *f = arg;

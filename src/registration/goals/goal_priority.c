@@ -113,7 +113,7 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     return weight > 0.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement while the image is outdated, mm: the field moves its goals along with newer targets. */
+/* The displacement while the image is outdated, mm: the field moves the image goals along with newer targets. */
 static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     smr_image_keep(&f->image, v);
@@ -155,8 +155,7 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
     return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement to a vertex' goal without the caller's, mm. A vertex without triangles follows no surface or
- * image. */
+/* The displacement to a vertex' goal without the caller's, mm. Only vertices with triangles follow surfaces or images. */
 static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];

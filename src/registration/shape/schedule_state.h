@@ -61,10 +61,9 @@ typedef struct smr_schedule {
     float farthest_mm; /* profile_mm without the limit by the radius, mm */
     float gradient_mm; /* search distance of edges in this iteration, mm */
     /* written by tracking, and when inputs are set */
-    uint32_t tracking; /* 1: the schedule is done, and targets are tracked */
-    uint32_t
-        recovering;   /* after a jump of targets, 1: at a coarser radius; 2: at the radius of tracking again; 0: no */
-    uint32_t changed; /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */
+    uint32_t tracking;        /* 1: the schedule is done, and targets are tracked */
+    uint32_t recovering;      /* 1: at a coarser radius after a jump of targets; 2: back at the radius of tracking */
+    uint32_t changed;         /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */
     uint32_t settled, jumped; /* as in smr_tick_report */
     uint32_t image_age;       /* age of the tracked image, SMR_IMAGE_.. */
     float gain;               /* factor on forces */

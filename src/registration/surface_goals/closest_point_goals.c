@@ -1,5 +1,5 @@
 /* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal,
- * averaged with the pulls of target vertices (target_to_model_pulls.c). Its part along the surface is reduced.
+ * averaged with the pulls of target vertices (target_to_model_pulls.c). Displacements along the surface are reduced.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -41,8 +41,7 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
         return;
     g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
-    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n,
-                               4u * sizeof(int64_t)); /* 0 between iterations */
+    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
 }
 
 void smr_pulls_clear(smr_surface_goals *g)

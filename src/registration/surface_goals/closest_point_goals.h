@@ -54,8 +54,8 @@ typedef struct smr_surface_goals {
     uint32_t *warm;        /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] closest target triangle in the current forces, which may be restarted */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
-    int64_t *pull; /* [n_workers][n][4] pulls of target vertices: three sums and the weight; NULL: no attraction */
-    uint8_t *visibility;      /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
+    int64_t *pull;         /* [n_workers][n][4] sums of pulls, and weight; 0 between iterations; NULL: no attraction */
+    uint8_t *visibility;   /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
     uint8_t *visibility_next; /* [n] visibility in the current forces */
     uint32_t partial;         /* 1: some target is partial */
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */

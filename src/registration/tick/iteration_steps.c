@@ -14,8 +14,7 @@ static void forces_end(smr *s)
     s->report.details.n_active = t->n_with_target;
     s->report.n_forces = t->n_forces;
     s->report.details.n_rejected = t->n_rejected;
-    const int attracts =
-        smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u; /* repairs have no forces */
+    const int attracts = smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u;
     s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
     s->report.details.matched_share = s->forces.matched;
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
@@ -185,7 +184,7 @@ const smr_step smr_steps[] = { /* member `magic` stands for the whole registrati
 _Static_assert(SMR_STEPS <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
 
-/* Later steps do not read targets. */
+/* Returns 1 while the current iteration still reads targets: later steps use copies. */
 int smr_forces_pending(const smr *s)
 {
     for (uint32_t i = s->step; i < SMR_STEPS; i++)

@@ -82,9 +82,8 @@ void smr_budget_done(smr *s);                     /* called when an iteration is
 /* 1: the remaining time is needed for the rest of the iteration */
 int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
 uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
-uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks,
-                          uint32_t group);                      /* predicted time of `group` tasks, ns; 0: unknown */
-void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns); /* adds the time between two readings */
-void smr_budget_learn(smr *s, uint32_t n_tasks);                /* called when the current step is complete */
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* predicted ns of `group` tasks; 0: unknown */
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);      /* adds the time between two readings */
+void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* called when the current step is complete */
 
 #endif

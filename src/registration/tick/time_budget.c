@@ -15,15 +15,14 @@
 #define SMR_OUTLIER 0.0625f  /* largest excess of a sample over the rate, as a share of an iteration's time */
 #define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
 #define SMR_MARGIN_MAX 1.5f
-#define SMR_LATE 0.0625f   /* added to the factor when an iteration did not end in its tick */
-#define SMR_IN_TIME 0.001f /* subtracted from the factor when it did: about one in sixty is late */
-#define SMR_STRETCH_NS                                                                                                 \
-    100000000u               /* ns: a longer time between two readings, and than the budget, is a jump of the clock */
-#define SMR_FORK_NS 50000.0f /* ns of work that justify one parallel loop */
-#define SMR_FORK_TASKS 64.0f /* most tasks of a worker in one parallel loop */
-#define SMR_LOOK 16u         /* fewest vertices between two checks of the reserve */
-#define SMR_CLOSING 3u       /* 1 / share of the last radius in which vertices may be left out */
-#define SMR_FIRST 0.75f      /* share of the budget that is kept in reserve while costs are unknown */
+#define SMR_LATE 0.0625f          /* added to the factor when an iteration did not end in its tick */
+#define SMR_IN_TIME 0.001f        /* subtracted from the factor when it did: about one in sixty is late */
+#define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
+#define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
+#define SMR_FORK_TASKS 64.0f      /* most tasks of a worker in one parallel loop */
+#define SMR_LOOK 16u              /* fewest vertices between two checks of the reserve */
+#define SMR_CLOSING 3u            /* 1 / share of the last radius in which vertices may be left out */
+#define SMR_FIRST 0.75f           /* share of the budget that is kept in reserve while costs are unknown */
 
 void smr_budget_start(smr *s)
 {
