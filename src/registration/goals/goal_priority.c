@@ -155,7 +155,7 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
     return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement to a vertex' goal without the caller's, mm. Only vertices with triangles follow surfaces or images. */
+/* The displacement to a vertex' goal, mm, without the caller's. Surfaces and images need vertices with triangles. */
 static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
