@@ -22,22 +22,28 @@ uint32_t smr_boundary_tasks(const void *arg)
 
 uint32_t smr_reference_boundary_tasks(const void *r) { return smr_boundary_tasks(((const smr_reference *)r)->sums); }
 
-/* Adds the pairs of a task to the moments of the reference, or where r is NULL to the sums of records. */
+/* Adds the share of vertex `from` to the moments of the reference, or where r is NULL to the sums of records. */
+static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from, int32_t share)
+{
+    if (r != NULL)
+        smr_reference_add(r, to, from, share);
+    else
+        add_record(s, to, from, share);
+}
+
+/* Adds the pairs of a task. r: as for add(). */
 static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 {
-    const smr_lists *l = &s->schedule->lists;
-    const uint32_t n = s->schedule->n_active, last = smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, l->n_boundary);
+    const smr_schedule *schedule = s->schedule;
+    const smr_lists *l = &schedule->lists;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, l->n_boundary);
     for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const uint32_t pair[2] = {smr_le32(l->boundary[i].first), smr_le32(l->boundary[i].second)};
+        const uint32_t a = smr_le32(l->boundary[i].first), b = smr_le32(l->boundary[i].second);
         const int32_t share = (int32_t)smr_le32(l->boundary[i].share) - SMR_BOUNDARY_UNITS / 2;
-        for (uint32_t k = 0; k < 2u; k++) {
-            if (pair[1u - k] >= n)
-                continue;
-            if (r != NULL)
-                smr_reference_add(r, pair[k], pair[1u - k], share);
-            else
-                add_record(s, pair[k], pair[1u - k], share);
-        }
+        if (smr_active(schedule, b))
+            add(s, r, a, b, share);
+        if (smr_active(schedule, a))
+            add(s, r, b, a, share);
     }
 }
 
