@@ -46,7 +46,7 @@ typedef enum smr_status {
 const char *smr_status_name(smr_status status);
 
 /* Returns the capabilities that this build leaves out (docs/LINKING.md): "", or words of "image partial track contact
- * dynamics". Calls and settings that need one of them get E_CONFIG. */
+ * dynamics". Calls and settings of a left-out capability get E_CONFIG. */
 const char *smr_built_without(void);
 
 #define SMR_ALIGN 64u        /* bytes: alignment of all memory handed over */
@@ -69,8 +69,8 @@ typedef struct smr_volume smr_volume; /* an image of voxels: section 11 */
 
 /* ------------------------------------------------------------------ 2. meshes and target surfaces */
 /* A triangle mesh in the caller's memory. Isolated or duplicate vertices, zero-area triangles, non-manifold edges and
- * several components are legal. Neighbouring vertices carry vertices without triangles (nodes inside a volume mesh,
- * landmarks), also where these vertices are a structure of their own. In a target they do not attract. */
+ * several components are legal. Neighbours carry vertices without triangles (nodes inside a volume mesh, landmarks),
+ * even as a structure of their own. A target's vertices without triangles do not attract. */
 typedef struct smr_mesh {
     const float *xyz;          /* [n_vertices][3] mm. Vertex positions, finite, within +-SMR_COORD_MAX */
     const uint32_t *triangles; /* [n_triangles][3] vertex indexes, each < n_vertices; NULL if n_triangles is 0 */
@@ -129,13 +129,13 @@ typedef struct smr_basic_config {
      * attract; surfaces of any size are accepted, clouds are refused, and the arena has no memory for attraction. */
     uint32_t attract;
     uint32_t method; /* SMR_METHOD_..., default rigid. How a cluster's rotation is computed */
-    /* iterations, [1, 100000], default 9, 20. Maximum at each radius except the last, without iterations that only
-     * repair folds. With an image the first of several radii has twice this maximum. */
+    /* iterations, [1, 100000], default 9, 20. Largest number at each radius except the last, not counting iterations
+     * that only repair folds. With an image the first of several radii has twice this number. */
     uint32_t iterations;
-    uint32_t iterations_last; /* iterations, [1, 100000], default 60, 40. Maximum at the last radius */
+    uint32_t iterations_last; /* iterations, [1, 100000], default 60, 40. Largest number at the last radius */
     /* share, [0, 1], default 1. Share of the vertices that take part, the most important first (paper 2.2, complexity
-     * tuning). Ignored vertices get no force, belong to no cluster, and move with the active vertices around them. At
-     * least smr_model_info.active_min vertices take part. */
+     * tuning). Ignored vertices get no force, belong to no cluster, and move with the nearby active vertices. At least
+     * smr_model_info.active_min vertices take part. */
     float active_share;
     float search_mm; /* mm, (0, 100000], default 60. Largest distance from a vertex to a closest point that is a goal */
     /* share, [0, 1], default 0.5. Weight of the target-to-model attraction in a vertex' goal.
@@ -194,7 +194,7 @@ enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE,
 typedef struct smr_tick_details {
     uint32_t phase;            /* SMR_PHASE_... that the next tick resumes; 0 after a complete iteration */
     uint32_t radius;           /* index of this tick's radius; of the next iteration's radius if the tick had no work */
-    uint32_t radius_iteration; /* complete iterations at that radius, without those that only repair folds */
+    uint32_t radius_iteration; /* complete iterations at `radius`, not counting iterations that only repair folds */
     /* Number of vertices that take part: the first n_taken in the order of priority. The iteration ignores all others.
      * After a partial tick that has not computed all forces: an upper bound. */
     uint32_t n_taken;
@@ -206,7 +206,7 @@ typedef struct smr_tick_details {
      * searched: search distances in images may end at 0. -1: no search since an input was set. */
     float matched_share;
     float attraction_used;                  /* config.basic.attraction if target vertices attracted the model, else 0 */
-    float residual_rms_mm, residual_max_mm; /* root mean square, and largest; otherwise as residual_mean_mm */
+    float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest of |goal - x|; -1: not measured */
     uint64_t phase_ns[SMR_PHASES];          /* ns; time of this tick in each phase; 0 without a clock */
     uint32_t plastic_updates;               /* number of times x^r = x since the start */
     uint32_t tracking; /* 1: the schedule has ended and the model follows targets (config.track); done stays 0 */
@@ -262,16 +262,17 @@ typedef struct smr_verdict {
     float target_covered;
     float residual_mm;   /* mm, or -1. Mean distance of visible vertices to the target, or to goals in an image */
     float normals_agree; /* 0..1, or -1. Share of the model's area on the target with normals within 90 degrees */
-    /* -1..1, or -1. Share won less share lost, of comparisons of an intensity profile in its place with the same
-     * profile 12 to 36 mm beside its place on the normal. Chance gives about 0. */
+    /* -1..1, or -1. Intensity profiles in place are compared with places 12 to 36 mm away along the normal: share of
+     * comparisons won less share lost. Chance gives about 0. */
     float image_similarity;
     float goals_share;  /* 0..1, or -1. Vertices with a goal in the image over vertices that searched for one */
-    float strain;       /* share. Root mean square change of edge lengths from rest, without the whole's scale */
-    float stretch;      /* share. Root mean square change of parts' sizes from rest, without the whole's scale */
-    float volume_ratio; /* volume over the volume at rest, without the whole's scale; 1 for open surfaces */
-    float rotation_deg; /* degrees, 0..180. Largest rotation of a part from rest, relative to the whole's rotation */
-    float turned_deg;   /* degrees, 0..180. Rotation of the whole from the start; above 40 far from linear */
-    float bend_mm;      /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
+    float strain;       /* share. Root mean square change of edge lengths from rest, without the model's scale */
+    float stretch;      /* share. Root mean square change of parts' sizes from rest, without the model's scale */
+    float volume_ratio; /* volume over the volume at rest, without the model's scale; 1 for open surfaces */
+    float rotation_deg; /* degrees, 0..180. Largest rotation of a part from rest, relative to the whole model */
+    /* degrees, 0..180. Rotation of the whole model from the start; above 40 rigid kinematics is inexact */
+    float turned_deg;
+    float bend_mm;           /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
     float scale, scale_rest; /* present size over the size at the start, and over the size at rest */
     float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
@@ -296,14 +297,14 @@ struct smr_port {
     uint32_t n_workers; /* number of workers of `parallel`, 1..SMR_WORKERS_MAX */
     /* Calls run(arg, t, w) once for each t < n_tasks, in any order, on any workers w. Returns when all tasks are done
      * and their writes are visible. NULL: the caller's thread runs the tasks in a loop. Within a task smr_set_...() and
-     * smr_tick() for the same registration return SMR_E_STATE. */
+     * smr_tick() for the registration return SMR_E_STATE. */
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
     uint64_t (*now_ns)(void *ctx); /* returns monotonic nanoseconds; NULL: no clock, and budgets and times are 0 */
 };
 
-/* Tests whether compiler and processor compute float arithmetic as the library needs it. Returns 0, or a sum of
- * SMR_FLOAT_...: results then have other bits than elsewhere. The test needs no memory and some hundred instructions.
- * Each thread has its own floating-point mode: call the test at power-on in the context that will call smr_tick(). */
+/* Tests whether compiler and processor compute float arithmetic as the library needs. Returns 0, or a sum of
+ * SMR_FLOAT_...; any flag means that results have other bits than elsewhere. The test needs no memory and some hundred
+ * instructions. Each thread has its own floating-point mode: call the test at power-on in the context of smr_tick(). */
 uint32_t smr_self_test(void);
 #define SMR_FLOAT_FUSED 1u    /* products and sums are fused: -ffp-contract=off is missing */
 #define SMR_FLOAT_FLUSHED 2u  /* denormals become 0: FTZ or DAZ on x86, FPSCR.FZ on Arm, a vector unit */
@@ -375,7 +376,7 @@ enum { SMR_ORDER_FOREST = 0, SMR_ORDER_BREADTH_FIRST = 1 };
 /* Called between pieces of work, `done` of `total` complete. A non-zero result stops the work: SMR_E_ABORTED. */
 typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
-/* Each setting's comment starts with unit, range and default; smr_prepare_settings() returns the same as data. */
+/* Each setting's comment starts with unit, range and default; smr_prepare_settings() returns the settings as data. */
 struct smr_prepare_config {
     uint32_t cookie; /* SMR_COOKIE of this struct; smr_prepare_config_default() sets it */
     /* radii, [0, 16], default 0: chosen from the surfaces' size and edge length. Number of cluster radii. With a
@@ -403,7 +404,7 @@ struct smr_prepare_config {
     const smr_volume *reference; /* image that fits the model; the source of intensity profiles */
     smr_progress progress;
     void *progress_ctx;
-    const smr_port *port; /* threads; NULL: the calling thread alone. The model's bytes are the same */
+    const smr_port *port; /* threads; NULL: the calling thread alone. The model's bytes do not depend on port */
 };
 
 /* Returns the paper's settings: one radius of 30 mm over all structures, 30 samples, half of them inside. */
@@ -421,7 +422,7 @@ typedef struct smr_model_info {
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];   /* 1: each cluster contains one structure only */
-    uint32_t active_min[SMR_RADII_MAX]; /* fewest active vertices that leave each cluster 3, or all it has */
+    uint32_t active_min[SMR_RADII_MAX]; /* fewest active vertices with at least 3 (or all) in each cluster */
     uint32_t n_levels;                  /* number of priority levels, the most important first; 1 without priority */
     uint32_t level_end[SMR_LEVELS_MAX]; /* [n_levels]: number of vertices in a level and all levels before it */
     uint32_t order;                     /* SMR_ORDER_... of smr_prepare_config.order */
@@ -500,8 +501,8 @@ typedef struct smr_align_report {
     float mirrored_rms_mm;      /* mm. rms_mm of the mirrored model; clearly below rms_mm: perhaps the other side */
     uint32_t n_alike;           /* number of clearly different poses that fit equally well; above 1 if symmetric */
     uint32_t given;             /* 1: the result is config.given (NULL: the identity) */
-    uint32_t model_inside_out;  /* 1: the model is closed and its triangles face inwards; smr_align() reverses them */
-    uint32_t target_inside_out; /* 1: the target is closed and its triangles face inwards; smr_align() reverses them */
+    uint32_t model_inside_out;  /* 1: a closed model with triangles facing inwards, which smr_align() reverses */
+    uint32_t target_inside_out; /* 1: a closed target with triangles facing inwards, which smr_align() reverses */
 } smr_align_report;
 
 /* Finds the pose that lays `model`, or a part, onto `target`, or a part, without landmarks. The target may be a cloud
@@ -556,7 +557,7 @@ struct smr_volume {
     float direction[9];  /* row-major 3 x 3; columns are the axes' unit vectors and do not lie in one plane */
 };
 
-/* config.image. Vertices search for goals along their normals, both ways. Search distances fall linearly. */
+/* config.image. Vertices search along the normal, inwards and outwards. Search distances fall linearly. */
 typedef struct smr_image_config {
     float profile_mm;     /* mm, [0, 60], default 10, 30. Search distance of profile matching at the schedule's start */
     float profile_end_mm; /* mm, [0, 60], default 0, 2. Search distance of profile matching at the schedule's end */
@@ -565,7 +566,7 @@ typedef struct smr_image_config {
     /* SMR_SIMILARITY_..., default concordance. Similarity of a profile and the image: normalised cross-correlation, sum
      * of squared differences, or concordance. Another contrast or brightness lowers concordance. */
     uint32_t similarity;
-    float confidence; /* share, [0, 1], default 0.3. Combined confidence at or below this yields no force */
+    float confidence; /* share, [0, 1], default 0.3. A goal with a confidence at or below this yields no force */
     /* cluster radii, (0, 1000000], default 0.5. Upper bound on the profile search distance, because the far side of a
      * neighbour lies farther away. Where fewer than 80 % of a structure's vertices had a goal, the bound grows to at
      * most the smaller of one radius and half the structure's thickness. */
@@ -578,7 +579,7 @@ typedef struct smr_image_config {
      * or meets one value only. A structure is excluded if fewer than half of its vertices have a goal. */
     float fill;
     /* share, [0, 1], default 0. Weight of image goals on structures that also have a closed target surface, whose goals
-     * have weight 1. Beside an open surface or a cloud, image goals weigh 1, target goals their visibility. */
+     * have weight 1. Beside an open surface or a cloud, image goals have weight 1, target goals the visibility. */
     float beside;
     float nearer;   /* score per mm, [0, 1], default 0.005. Score lost per mm from the vertex: nearer places win ties */
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
@@ -607,8 +608,8 @@ enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 }
 typedef struct smr_partial_config {
     /* SMR_COVERAGE_..., default auto. Whether target surfaces show the whole model or a part. With a partial target a
      * vertex' weight is its visibility, which falls beyond an open border, where normals disagree, and where the
-     * target's closest points lie elsewhere on the model. Occluded vertices follow the image, or a smooth field of the
-     * visible ones. auto: whole for closed surfaces of which the model covers nine tenths. whole: no memory. */
+     * target's closest points lie elsewhere on the model. Occluded vertices follow the image, or a smooth field of
+     * visible vertices. auto: whole for closed surfaces of which the model covers nine tenths. whole: no memory. */
     uint32_t coverage;
     /* mm, [0, 100], default 0. Noise of a cloud's points. A point nearer than this to the model's surface does not
      * attract; a farther point attracts by the excess of its distance. At 0 the noise of many points averages out. */
@@ -669,7 +670,7 @@ typedef struct smr_landmark {
 
 /* Replaces all landmarks by copies of n landmarks; n 0 removes all. Where no target shows the model, the model follows
  * a smooth displacement field through the landmarks. Where a target shows the model, landmarks decide along the
- * surface, and a hard landmark is always reached. New places of the same points cost next to nothing; a new point at
+ * surface, and a hard landmark is always reached. New places of unchanged points cost next to nothing; a new point at
  * rest costs a pass over all triangles.
  * Errors: E_NULL, E_STATE (not a registration), E_ARENA (more than config.partial.n_landmarks), E_INPUT (no such
  * structure or vertex, a structure without vertices, a field outside its range). */
@@ -686,21 +687,21 @@ enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
  * is that shape with each structure moved rigidly, and does not creep. */
 typedef struct smr_track_config {
     /* SMR_TRACK_..., default off. report: the model follows targets, and smr_tick_details.jumped reports jumps.
-     * recover: after a jump the model also runs the coarser radii again. Adds SMR_ARENA_TRACK_BYTES. */
+     * recover: after a jump the model also runs the coarser radii again. The arena grows by SMR_ARENA_TRACK_BYTES. */
     uint32_t mode;
     /* mm, [0, 100000], default 0: six mean edges; with several structures at most the largest at which clusters keep to
-     * their own structure. Cluster radius while following, the model's nearest. A larger one is stiffer. */
+     * their own structure. Cluster radius while following, the model's nearest. Larger radii are stiffer. */
     float radius_mm;
     /* mm, [0, 100000], default 0: a twelfth of the radius. Smallest mean distance to the goals of new targets that
      * counts as a jump. New targets without any goal have jumped, too. */
     float jump_mm;
     float settle_um;     /* um, [0, 100000000], default 20. Largest displacement at which the model has settled */
-    uint32_t iterations; /* iterations, [1, 100000], default 30. Maximum for one position of the targets */
+    uint32_t iterations; /* iterations, [1, 100000], default 30. Largest number for one position of the targets */
     /* share, [0, 1], default 0. When targets are set, each structure first repeats this share of its rigid displacement
      * between the last two times that targets were set. The prediction suits targets at even intervals. After a jump no
      * prediction is made. Momentum of the last iteration keeps the remaining share. The first tick on new targets
      * applies the prediction at once, in one pass over vertices and triangles, whatever its budget; positions show the
-     * prediction even after a partial tick. Suits one to three ticks a target, or settling. */
+     * prediction even after a partial tick. Use one to three ticks a target. */
     float ahead;
 } smr_track_config;
 
@@ -780,9 +781,10 @@ enum { SMR_DYNAMICS_OFF = 0, SMR_DYNAMICS_ON = 1 };
  * strength is `stiffness` times that of shape matching. All vertices take part, folds are not repaired, and done stays
  * 0. Where clusters deform much, as small clusters around few pinned vertices do, set `method` to polar. */
 typedef struct smr_dynamics_config {
-    /* SMR_DYNAMICS_..., default off. Excludes track, volume, smooth and contact. Adds SMR_ARENA_DYNAMICS_BYTES. */
+    /* SMR_DYNAMICS_..., default off. Dynamics excludes track, volume, smooth and contact. Memory:
+     * SMR_ARENA_DYNAMICS_BYTES. */
     uint32_t mode;
-    float step_ms;    /* ms, [0.01, 1000], default 10. Length of a time step. All are stable; long ones damp motion */
+    float step_ms;    /* ms, [0.01, 1000], default 10. Length of a time step. Every length is stable; long steps damp */
     float damping;    /* 1/s, [0, 1000000], default 1. Each step divides velocities by 1 + step * damping */
     float gravity[3]; /* mm/s^2, [-1000000, 1000000], default 0. Acceleration along the caller's axes; Earth: 9810 */
     /* 1/s^2, [0, 100000000], default 10000. Stiffness of shape matching for each unit of mass: a vertex away from the
@@ -790,18 +792,18 @@ typedef struct smr_dynamics_config {
     float elastic;
 } smr_dynamics_config;
 
-/* Sets masses and velocities of a structure's vertices, in the caller's order, by copying. mass: [n_vertices] g, 1e-6
- * to 1e6, or INFINITY. A vertex of mass INFINITY is pinned: forces do not change its velocity, and clusters turn about
- * the vertex. mass NULL keeps the masses; the first masses are those of smr_prepare_config.mass. A mass counts as at
- * most 1024 times the mean mass and is rounded to 1/32 of the mean; smr_get_energy() returns the masses that count.
+/* Sets masses and velocities of a structure's vertices, in the caller's order, as copies. mass: [n_vertices] g, 1e-6 to
+ * 1e6, or INFINITY. A vertex of mass INFINITY is pinned: forces do not change its velocity, and clusters turn about the
+ * vertex. mass NULL keeps the masses; the first masses are those of smr_prepare_config.mass. A mass counts as at most
+ * 1024 times the mean mass and is rounded to 1/32 of the mean; smr_get_energy() returns the masses that count.
  * velocity: [n_vertices][3] mm/s, within +-1e6; NULL keeps the velocities. An iteration under way restarts.
  * smr_set_pose(), smr_set_positions() and smr_set_volume() set velocities to 0 and keep masses.
  * Errors: E_NULL (both pointers), E_STATE (not a registration, or inputs are missing), E_ARENA (config.dynamics.mode is
  * off), E_INPUT (no such structure, a value outside its range). */
 smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const float *velocity);
 
-/* Writes the velocities of a structure's vertices to velocity[n_vertices][3] mm/s, in the caller's order: those at the
- * end of the last complete time step, or those set since.
+/* Writes the velocities of a structure's vertices to velocity[n_vertices][3] mm/s, in the caller's order, at the end of
+ * the last complete time step or as set since.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration), E_ARENA (config.dynamics.mode is off). */
 smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity);
 
@@ -855,8 +857,7 @@ typedef struct smr_force_view {
 /* Adds each vertex' wanted displacement to displacement[n][3] (mm) and the weight of that displacement to weight[n],
  * 0..1000, as in smr_set_goals(). Both arrays are 0 before the call; weight 0 means no force. The port's workers call
  * the function, several at a time, once for each vertex in an iteration. The function must depend only on the view and
- * on data behind ctx that do not change during a tick. The function must not call the library with the same
- * registration. */
+ * on data behind ctx that do not change during a tick. The function must not call the library with the registration. */
 typedef void (*smr_force)(void *ctx, const smr_force_view *view, float *displacement, float *weight);
 
 /* Sets a force of the caller's own; NULL removes the force. The force is part of a tick's forces, under the same
@@ -873,7 +874,7 @@ enum { SMR_FUSING_LINEAR = 0, SMR_FUSING_LIE = 1 };
 /* config.forces: external forces onto surfaces and into images. */
 typedef struct smr_forces_config {
     /* share, (0, 1], default 0.8. Share of a vertex' displacement to its goal in the force: the paper's alpha_e (2.1),
-     * force = stiffness * (goal - x). The cluster radius, not this share, decides how stiff the model is. */
+     * force = stiffness * (goal - x). The cluster radius, not the stiffness, decides how stiff the model is. */
     float stiffness;
     /* cluster radii, (0, 1000000], default 1.5. Closest-point search distance, at most halved from radius to radius. */
     float search_radii;
@@ -892,8 +893,7 @@ typedef struct smr_forces_config {
 typedef struct smr_motion_config {
     float relaxation; /* share, (0, 1], default 1. Step length: x += relaxation * (averaged goal - x) */
     float momentum;   /* share, [0, 0.99], default 0.8, 0.7. Share of the last displacement added to the forces */
-    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius. Momentum there slides vertices along the
-     * surface. */
+    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, which slides vertices along the surface. */
     float momentum_last;
     float plastic_um; /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below this */
     /* iterations, [0, 1000], default 1, 5. x^r = x also after this many iterations. 0: x^r = x only at rest
@@ -923,7 +923,7 @@ typedef struct smr_schedule_config {
     /* share, [0, 1], default 1. Active share at the start, if below active_share, to which the share grows. */
     float active_first;
     /* vertices, [0, 1000000], default 30. With an image, this many active vertices in the smallest cluster suffice, if
-     * 1,000 vertices of the whole model are active, too; the iteration ignores the others. The number of active
+     * 1,000 vertices of the whole model are active, too; the iteration ignores all other vertices. The number of active
      * vertices is rounded to whole priority levels. 0: active_share alone decides. */
     uint32_t active_enough;
 } smr_schedule_config;
@@ -1018,7 +1018,7 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
 /* ------------------------------------------------------------------ 19. save and restore */
 /* A save holds a registration as position-independent bytes, little-endian on every host, with a checksum. The
  * registration can continue in another arena, in another program or on another processor. A restored registration has
- * the bits of an uninterrupted one, with any number of threads. Only the times in its reports differ. */
+ * the bits of an uninterrupted registration, with any number of threads; only reported times differ. */
 
 /* Writes s to memory[bytes] (of any alignment). smr_save_bytes() returns the exact size, which model and configuration
  * alone decide. A save holds checksums of model and inputs instead of their contents; the checksums take one pass over
@@ -1053,8 +1053,7 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
                        size_t saved_bytes, void *arena, size_t bytes, smr **s);
 
 /* Returns in *n how many inputs must still be set before s ticks: structures with a surface or a cloud, the image,
- * structures with caller's goals, caller's force, fixed surfaces, the log. *n is 0 without smr_restore(). Errors:
- * E_NULL, E_STATE. */
+ * caller's goals and force, fixed surfaces, the log. Without smr_restore() *n is 0. Errors: E_NULL, E_STATE. */
 smr_status smr_get_awaited(const smr *s, uint32_t *n);
 
 /* ------------------------------------------------------------------ 20. log and replay */
@@ -1104,7 +1103,7 @@ enum { SMR_LOG_MOTION = 14 };
 /* One record of a log. Fields that a kind does not use are 0. */
 typedef struct smr_log_record {
     uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
-    /* Fields of inputs. */
+    /* Fields of a recorded input. */
     uint32_t structure; /* structure of a surface, points, positions, goals, volume ratio or motion; or SMR_ALL */
     uint32_t present;   /* 1: an input was set; 0: an input was removed (NULL) */
     uint64_t checksum;  /* checksum of a surface, points, volume, positions, goals, motion, or of a force's results */
@@ -1113,7 +1112,7 @@ typedef struct smr_log_record {
     uint32_t index, count;
     float ratio;   /* ratio of smr_set_volume_ratio() */
     uint32_t gave; /* SMR_LOG_FORCE, 1: the checksum covers the force's results in the next tick's iteration */
-    /* Fields of ticks, from the tick's report. */
+    /* Fields of a recorded tick, from the tick's report. */
     uint32_t complete; /* 1: the tick completed an iteration, or the schedule had ended; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;
     uint32_t n_taken;     /* as in smr_tick_details; SMR_LOG_ACTIVE: the number passed to smr_set_active() */
@@ -1162,7 +1161,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
  * bytes that setting y adds to x. No other setting changes a size. For example:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)]; */
 
-/* Bounds of smr_surface_bytes(), 3 % above it at 1,000 triangles and 1 % from 4,000 on, and of smr_points_bytes(). */
+/* Bounds of smr_surface_bytes(), 3 % too large at 1,000 triangles, 1 % from 4,000 on, and of smr_points_bytes(). */
 #define SMR_SURFACE_BYTES(nv, nt) ((size_t)2048u + (size_t)32u * (nv) + (size_t)65u * (nt) + SMR_TREE_BYTES(nt, 1u))
 #define SMR_POINTS_BYTES(capacity) ((size_t)1280u + (size_t)28u * (capacity))
 
