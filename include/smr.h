@@ -129,8 +129,8 @@ typedef struct smr_basic_config {
      * attract; surfaces of any size are accepted, clouds are refused, and the arena has no memory for attraction. */
     uint32_t attract;
     uint32_t method; /* SMR_METHOD_..., default rigid. How a cluster's rotation is computed */
-    /* iterations, [1, 100000], default 9, 20. Largest number at each radius except the last, not counting iterations
-     * that only repair folds. With an image the first of several radii has twice this number. */
+    /* iterations, [1, 100000], default 9, 20. Largest number of iterations at each radius except the last, not counting
+     * iterations that only repair folds. With an image the first of several radii has twice this number. */
     uint32_t iterations;
     uint32_t iterations_last; /* iterations, [1, 100000], default 60, 40. Largest number at the last radius */
     /* share, [0, 1], default 1. Share of the vertices that take part, the most important first (paper 2.2, complexity
@@ -145,7 +145,8 @@ typedef struct smr_basic_config {
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;
     /* share, [0, 1], default 0.5. Share of a vertex' motion along the surface, relative to its neighbours' motion, that
-     * is undone. `even` acts at the last radius, on structures with a target surface, and falls to 0 at the end. */
+     * is undone. `even` acts at the last radius, on structures with a target surface, and is 0 in the last
+     * iteration. */
     float even;
 } smr_basic_config;
 
@@ -211,7 +212,7 @@ typedef struct smr_tick_details {
     uint32_t plastic_updates;               /* number of times x^r = x since the start */
     uint32_t tracking; /* 1: the schedule has ended and the model follows targets (config.track); done stays 0 */
     uint32_t settled;  /* 1: the tracked model has settled; ticks change nothing until a target is set */
-    uint32_t jumped;   /* 1: at first the present targets lay beyond config.track.jump_mm, or gave no goal */
+    uint32_t jumped;   /* 1: the first goals of the present targets were beyond config.track.jump_mm, or missing */
 } smr_tick_details;
 
 typedef struct smr_tick_report {
@@ -654,7 +655,7 @@ smr_status smr_points_surface_begin(const smr_points *points, void *memory, size
 /* Sets a cloud as the target of a structure, or of SMR_ALL, in place of a surface; the library borrows the cloud until
  * another target replaces it. NULL removes the target. config.basic.n_target_vertices must be at least the capacities
  * of all clouds plus the vertices of all surfaces set at one time. An empty cloud shows no vertex: neighbours carry the
- * structure. After points were added, smr_tick() returns E_STATE until this call. Otherwise as smr_set_surface().
+ * structure. After points were added, smr_tick() returns E_STATE until this call. All else is as for smr_set_surface().
  * Errors: E_NULL, E_STATE (not a registration, or not a cloud), E_INPUT (no such structure), E_ARENA. */
 smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
 
@@ -706,8 +707,8 @@ typedef struct smr_track_config {
 } smr_track_config;
 
 /* ------------------------------------------------------------------ 14. contact, volume and smoothness */
-/* config.contact. A vertex inside another closed structure, or a fixed surface, moves out over the shortest distance,
- * and the other surface moves back, the lighter farther. Surfaces slide freely. Overlap at rest is removed, too. */
+/* config.contact. A vertex inside another closed structure, or a fixed surface, moves out over the shortest distance.
+ * Two structures in contact both move, the lighter farther, and slide freely. Overlap at rest is removed, too. */
 typedef struct smr_contact_config {
     /* share, [0, 1], default 0: off. Share of the displacement out of the other surface in each iteration; 1 is the
      * usual value. Contact excludes dynamics. Unless 0, the arena has SMR_ARENA_CONTACT_BYTES more. */
@@ -893,7 +894,8 @@ typedef struct smr_forces_config {
 typedef struct smr_motion_config {
     float relaxation; /* share, (0, 1], default 1. Step length: x += relaxation * (averaged goal - x) */
     float momentum;   /* share, [0, 0.99], default 0.8, 0.7. Share of the last displacement added to the forces */
-    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, which slides vertices along the surface. */
+    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, where momentum moves vertices along the
+     * surface. */
     float momentum_last;
     float plastic_um; /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below this */
     /* iterations, [0, 1000], default 1, 5. x^r = x also after this many iterations. 0: x^r = x only at rest
@@ -918,9 +920,10 @@ typedef struct smr_motion_config {
 
 /* config.schedule: radii from coarse to fine, and the number of active vertices. */
 typedef struct smr_schedule_config {
-    uint32_t radius_first; /* index, default 0. First radius used */
-    uint32_t radius_last;  /* index, default SMR_FINEST. Last radius used, not below radius_first */
-    /* share, [0, 1], default 1. Active share at the start, if below active_share, to which the share grows. */
+    uint32_t radius_first; /* index, default 0. Index of the first radius used */
+    uint32_t radius_last;  /* index, default SMR_FINEST. Index of the last radius used, not below radius_first */
+    /* share, [0, 1], default 1. Active share at the schedule's start, if below active_share; the share grows to
+     * active_share. */
     float active_first;
     /* vertices, [0, 1000000], default 30. With an image, this many active vertices in the smallest cluster suffice, if
      * 1,000 vertices of the whole model are active, too; the iteration ignores all other vertices. The number of active
