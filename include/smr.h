@@ -178,8 +178,8 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose);
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
 
-/* Sets the target surface of a structure, or of SMR_ALL; the library borrows the surface until another replaces it.
- * NULL removes the target: neighbours then carry the structure along. An iteration under way without all of its forces
+/* Sets the target surface of a structure, or of SMR_ALL, borrowed until another target replaces the surface. NULL
+ * removes the target: neighbours then carry the structure along. An iteration under way without all of its forces
  * computes its forces again; an iteration with all of its forces ends with the goals on the old target. Once the call
  * has returned and no other structure has the old target, the library no longer reads the old target's memory. A
  * finished schedule stays finished until smr_set_pose() or smr_set_positions(). With config.track.mode the model
@@ -580,7 +580,8 @@ typedef struct smr_image_config {
      * or meets one value only. A structure is excluded if fewer than half of its vertices have a goal. */
     float fill;
     /* share, [0, 1], default 0. Weight of image goals on structures that also have a closed target surface, whose goals
-     * have weight 1. Beside an open surface or a cloud, image goals have weight 1, target goals the visibility. */
+     * have weight 1. Beside an open surface or a cloud, image goals have weight 1, target goals a vertex'
+     * visibility. */
     float beside;
     float nearer;   /* score per mm, [0, 1], default 0.005. Score lost per mm from the vertex: nearer places win ties */
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
@@ -592,8 +593,8 @@ typedef struct smr_image_config {
  * follows less often, and there are more iterations. */
 smr_config smr_config_default_image(void);
 
-/* Sets the image of every structure without a target surface; the library borrows the image until another replaces it.
- * NULL removes the image. The schedule restarts from the present positions. While the model follows moving targets
+/* Sets the image of every structure without a target surface; the library borrows the image until the next image. NULL
+ * removes the image. The schedule restarts from the present positions. While the model follows moving targets
  * (config.track), a new image is followed, too: profiles are searched as far as at the schedule's start, within half
  * the radius. The memory of the previous image is free when the call returns. Tangentially, and at vertices without a
  * goal, structures then follow a smooth displacement field from the schedule's result through all vertices with a goal.
@@ -726,10 +727,10 @@ typedef struct smr_contact_config {
     float smooth;
 } smr_contact_config;
 
-/* Sets fixed surface number index, out of which structures are kept; the library borrows the surface until another
- * replaces it, and NULL removes the surface. A closed surface has an inside that no vertex may enter: an implant inside
- * a bone keeps off the bone's surface. An open surface has its outside where its normals point, and does not act beyond
- * its border. Fixed surfaces act only if config.contact.share is above 0. Set a refitted surface again.
+/* Sets fixed surface number index, out of which structures are kept; the library borrows the surface until the next
+ * call, and NULL removes the surface. A closed surface has an inside that no vertex may enter: an implant inside a bone
+ * keeps off the bone's surface. An open surface has its outside where its normals point, and does not act beyond its
+ * border. Fixed surfaces act only if config.contact.share is above 0. Set a refitted surface again.
  * Errors: E_NULL, E_STATE (not a registration, not a complete surface, or a cloud), E_ARENA (config.contact.n_fixed is
  * 0), E_INPUT (index is not below config.contact.n_fixed). */
 smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface);
@@ -971,7 +972,7 @@ typedef struct smr_setting {
     double value, image; /* default of each element, and default for images */
 } smr_setting;
 
-/* Return the fields of smr_config and smr_prepare_config in the structs' order, with headings. *n (or NULL): rows. */
+/* Return the fields of smr_config and smr_prepare_config in order, with headings; *n (n may be NULL) rows. */
 const smr_setting *smr_config_settings(uint32_t *n);
 const smr_setting *smr_prepare_settings(uint32_t *n);
 
