@@ -1,5 +1,5 @@
-/* settings_text.c: the tables of settings with their texts, for programs that print them. In a file of its own, so
- * that a device that does not need it links none of it.
+/* settings_text.c: the tables of settings with their texts, for programs that print them. No other file of src/ calls
+ * these functions, so that a device links no texts.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 

@@ -1,22 +1,8 @@
 /* mesh_neighbours.c: the mesh neighbours of each vertex, and edge lengths.
- * Bounds: 6 nt neighbours before duplicates are removed; up to 24 of a vertex are sorted by insertion, more by radix.
+ * Bounds: 6 nt neighbours before duplicates are removed; those of each vertex are sorted.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "prepare/prepare_plan.h"
-
-static void sort_keys(smr_plan *p, uint32_t n)
-{
-    if (n > 24u) {
-        smr_curve_sort(p->key, p->item, p->tmp, n);
-        return;
-    }
-    for (uint32_t i = 1; i < n; i++)
-        for (uint32_t j = i; j > 0u && p->key[j - 1u] > p->key[j]; j--) {
-            const uint32_t swap = p->key[j];
-            p->key[j] = p->key[j - 1u];
-            p->key[j - 1u] = swap;
-        }
-}
 
 /* Lists the two neighbours that each corner of each triangle has, duplicates included: neighbour_start, neighbour. */
 static void list_corners(smr_plan *p)
@@ -47,7 +33,7 @@ static void find_neighbours(smr_plan *p)
         const uint32_t last = start[v + 1u], n = last - from, begin = out;
         for (uint32_t i = 0; i < n; i++)
             p->key[i] = p->item[i] = p->neighbour[from + i];
-        sort_keys(p, n);
+        smr_curve_sort(p->key, p->item, p->tmp, n);
         for (uint32_t i = 0; i < n; i++)
             if (p->key[i] != v && (i == 0u || p->key[i] != p->key[i - 1u]))
                 p->neighbour[out++] = p->key[i];

@@ -1,60 +1,41 @@
-/* rotation_logarithm.c: logarithm and exponential of rigid motions. The factors of a^2 that Rodrigues' formula and its
- * integral need are polynomials, as in rotation_rodrigues.c: no libm, no branch at small angles, and differences of
- * nearly equal numbers nowhere. The arc tangent is that of Cephes (S. Moshier, atanf).
- * Accuracy against double precision: rotation vectors 6e-7 rad, places 2e-6 of |turn| |p| + |shift|.
+/* rotation_logarithm.c: logarithm and exponential of rigid motions. The functions of a^2 in Rodrigues' formula and its
+ * integral are polynomials, as in rotation_rodrigues.c: without libm, branches at small angles or differences of nearly
+ * equal numbers. The arc tangent is that of Cephes (S. Moshier, atanf).
+ * Accuracy against double precision: rotation vectors 6e-7 rad, positions 2e-6 of |turn| |p| + |shift|.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation_logarithm.h"
 #include "geometry/rotation/rotation.h"
 
 #define SMR_TERMS 10u
 
-/* Coefficients of (-a^2)^k, k = 0, 1, ... of sin(a) / a: 1 / (2k + 1)!; from the second on those of
- * (a - sin(a)) / a^3: 1 / (2k + 3)!. */
-static const float odd_terms[SMR_TERMS + 1u] = {1.0f,
-                                                1.0f / 6.0f,
-                                                1.0f / 120.0f,
-                                                1.0f / 5040.0f,
-                                                1.0f / 362880.0f,
-                                                1.0f / 39916800.0f,
-                                                1.0f / 6227020800.0f,
-                                                1.0f / 1307674368000.0f,
-                                                1.0f / 355687428096000.0f,
-                                                1.0f / 121645100408832000.0f,
-                                                0.0f};
+/* Four functions of a^2, and the coefficients of (-a^2)^k, k = 0, 1, ... of each. SINE: sin(a) / a, 1 / (2k + 1)!.
+ * COSINE: (1 - cos(a)) / a^2, 1 / (2k + 2)!. CUBIC: (a - sin(a)) / a^3, 1 / (2k + 3)!.
+ * INVERSE: (2 (1 - cos(a)) / a^2 - sin(a) / a) / a^2, (k + 1) / (k + 2) / (2k + 3)!. */
+enum { SINE, COSINE, CUBIC, INVERSE, SERIES };
+static const float terms[SMR_TERMS][SERIES] = {
+    {1.0f, 1.0f / 2.0f, 1.0f / 6.0f, 1.0f / 2.0f / 6.0f},
+    {1.0f / 6.0f, 1.0f / 24.0f, 1.0f / 120.0f, 2.0f / 3.0f / 120.0f},
+    {1.0f / 120.0f, 1.0f / 720.0f, 1.0f / 5040.0f, 3.0f / 4.0f / 5040.0f},
+    {1.0f / 5040.0f, 1.0f / 40320.0f, 1.0f / 362880.0f, 4.0f / 5.0f / 362880.0f},
+    {1.0f / 362880.0f, 1.0f / 3628800.0f, 1.0f / 39916800.0f, 5.0f / 6.0f / 39916800.0f},
+    {1.0f / 39916800.0f, 1.0f / 479001600.0f, 1.0f / 6227020800.0f, 6.0f / 7.0f / 6227020800.0f},
+    {1.0f / 6227020800.0f, 1.0f / 87178291200.0f, 1.0f / 1307674368000.0f, 7.0f / 8.0f / 1307674368000.0f},
+    {1.0f / 1307674368000.0f, 1.0f / 20922789888000.0f, 1.0f / 355687428096000.0f, 8.0f / 9.0f / 355687428096000.0f},
+    {1.0f / 355687428096000.0f, 1.0f / 6402373705728000.0f, 1.0f / 121645100408832000.0f,
+     9.0f / 10.0f / 121645100408832000.0f},
+    {1.0f / 121645100408832000.0f, 1.0f / 2432902008176640000.0f, 0.0f, 0.0f},
+};
 
-/* The same of (1 - cos(a)) / a^2: 1 / (2k + 2)! */
-static const float cosine_terms[SMR_TERMS] = {1.0f / 2.0f,
-                                              1.0f / 24.0f,
-                                              1.0f / 720.0f,
-                                              1.0f / 40320.0f,
-                                              1.0f / 3628800.0f,
-                                              1.0f / 479001600.0f,
-                                              1.0f / 87178291200.0f,
-                                              1.0f / 20922789888000.0f,
-                                              1.0f / 6402373705728000.0f,
-                                              1.0f / 2432902008176640000.0f};
-
-/* The same of (2 (1 - cos(a)) / a^2 - sin(a) / a) / a^2: (k + 1) / (k + 2) / (2k + 3)! */
-static const float inverse_terms[SMR_TERMS] = {1.0f / 2.0f / 6.0f,
-                                               2.0f / 3.0f / 120.0f,
-                                               3.0f / 4.0f / 5040.0f,
-                                               4.0f / 5.0f / 362880.0f,
-                                               5.0f / 6.0f / 39916800.0f,
-                                               6.0f / 7.0f / 6227020800.0f,
-                                               7.0f / 8.0f / 1307674368000.0f,
-                                               8.0f / 9.0f / 355687428096000.0f,
-                                               9.0f / 10.0f / 121645100408832000.0f,
-                                               0.0f};
-
-static inline float series(const float terms[SMR_TERMS], float a2)
+/* Returns the function `which` of the squared angle a2, rad^2. */
+static inline float series(uint32_t which, float a2)
 {
-    float sum = terms[SMR_TERMS - 1u];
+    float sum = terms[SMR_TERMS - 1u][which];
     for (uint32_t k = SMR_TERMS - 1u; k-- > 0u;)
-        sum = terms[k] - a2 * sum;
+        sum = terms[k][which] - a2 * sum;
     return sum;
 }
 
-/* atan(y / x) / y for x >= 0, y >= 0 and not both 0: also where y is 0. */
+/* Returns atan(y / x) / y for x >= 0 and y >= 0, not both 0; the limit 1 / x where y is 0. */
 static float arc_over(float y, float x)
 {
     /* beyond pi / 8: atan(y / x) = pi / 4 + atan((y - x) / (y + x)), and beyond 3 pi / 8 pi / 2 - atan(x / y) */
@@ -67,11 +48,11 @@ static float arc_over(float y, float x)
     return ((far ? 1.5707964f : 0.78539818f) + z * p) / y;
 }
 
-/* The largest of the four squares decides which component of the unit quaternion is found by a root, the others by
- * quotients (Shepperd 1978). */
+/* The largest of the four squares decides which component of the unit quaternion follows from a root; the others follow
+ * from quotients (Shepperd 1978). */
 smr_vec smr_rotation_log(const float m[9])
 {
-    const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2, and so on */
+    const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2; likewise x2, y2 and z2 */
     const float x2 = m[0] - m[4] - m[8], y2 = m[4] - m[0] - m[8], z2 = m[8] - m[0] - m[4];
     const smr_vec skew = smr_v(m[7] - m[5], m[2] - m[6], m[3] - m[1]);
     smr_vec q;
@@ -84,7 +65,7 @@ smr_vec smr_rotation_log(const float m[9])
         w = skew.y, q = smr_v(m[1] + m[3], y2, m[5] + m[7]);
     else
         w = skew.z, q = smr_v(m[2] + m[6], m[5] + m[7], z2);
-    /* all four by the same factor, which the angle does not need */
+    /* q and w have a common factor, which the angle does not depend on */
     if (w < 0.0f)
         q = smr_scale(q, -1.0f);
     w = smr_abs(w);
@@ -97,22 +78,22 @@ smr_vec smr_rotation_log(const float m[9])
 smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift)
 {
     const float a2 = smr_dot(turn, turn);
-    const float k = 0.5f * series(inverse_terms, a2) / series(cosine_terms, a2);
-    /* about the centre the rate is V^-1 shift, V^-1 = I - [turn] / 2 + k [turn]^2 */
+    const float k = 0.5f * series(INVERSE, a2) / series(COSINE, a2);
+    /* about the centre the rate is V^-1 shift, with V^-1 = I - [turn] / 2 + k [turn]^2 */
     const smr_vec across = smr_cross(turn, shift);
     const smr_vec bent = smr_sub(smr_scale(smr_cross(turn, across), k), smr_scale(across, 0.5f));
     return (smr_twist){turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
 }
 
-/* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2, applied to the point's velocity: so small motions keep
- * their digits, however far p is from the origin. */
+/* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2 is applied to the point's velocity, so that small
+ * motions keep their digits, however far p is from the origin. */
 smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal)
 {
     const smr_vec turn = smr_turn_within(twist.turn, SMR_HALF_TURN);
-    const float a2 = smr_dot(turn, turn), c = series(cosine_terms, a2);
+    const float a2 = smr_dot(turn, turn), c = series(COSINE, a2);
     const smr_vec rate = smr_add(smr_cross(turn, p), twist.rate), across = smr_cross(turn, rate);
-    const smr_vec bent = smr_add(smr_scale(across, c), smr_scale(smr_cross(turn, across), series(odd_terms + 1, a2)));
+    const smr_vec bent = smr_add(smr_scale(across, c), smr_scale(smr_cross(turn, across), series(CUBIC, a2)));
     const smr_vec aside = smr_cross(turn, *normal);
-    *normal = smr_add(*normal, smr_add(smr_scale(aside, series(odd_terms, a2)), smr_scale(smr_cross(turn, aside), c)));
+    *normal = smr_add(*normal, smr_add(smr_scale(aside, series(SINE, a2)), smr_scale(smr_cross(turn, aside), c)));
     return smr_add(rate, bent);
 }

@@ -1,10 +1,10 @@
 /* rotation_rodrigues.c: rotation matrices from rotation vectors by the Rodrigues formula (paper 2.3, rigid body
- * kinematics). sin and cos are Taylor polynomials to a^13 and a^14 instead of libm calls, whose results differ between
- * platforms. Accuracy: 2e-7 on the whole range.
+ * kinematics). sin and cos are Taylor polynomials to a^13 and a^14, because results of libm differ between platforms.
+ * Accuracy: 2e-7 on the whole range.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 
-/* *sine = sin(a) / a and *cosine = (1 - cos(a)) / a^2; a2 is a^2 in rad^2, 0 .. SMR_ANGLE_MAX^2. */
+/* Writes *sine = sin(a) / a and *cosine = (1 - cos(a)) / a^2 for a2 = a^2, rad^2, 0 .. SMR_ANGLE_MAX^2. */
 static void sinc(float a2, float *sine, float *cosine)
 {
     float s = 1.0f / 6227020800.0f;
@@ -14,7 +14,6 @@ static void sinc(float a2, float *sine, float *cosine)
     s = s * a2 + 1.0f / 120.0f;
     s = s * a2 - 1.0f / 6.0f;
     *sine = s * a2 + 1.0f;
-
     float c = 1.0f / 87178291200.0f;
     c = c * a2 - 1.0f / 479001600.0f;
     c = c * a2 + 1.0f / 3628800.0f;

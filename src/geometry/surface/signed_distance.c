@@ -1,19 +1,18 @@
-/* signed_distance.c: signed distance to a surface of triangles. The sign is that of the normals of all triangles
- * that share the closest point, weighted by their angles there. Source: Baerentzen and Aanaes, "Signed distance
- * computation using the angle weighted pseudonormal", 2005, who prove it for edges and corners. The direction is a
- * mean over triangles nearly as close, with weights that fall to 0; near the surface it becomes the interpolated
- * vertex normal, so it is continuous where a point passes an edge.
+/* signed_distance.c: signed distance to a surface of triangles. The sign follows from the normals of all triangles that
+ * share the closest point, weighted by their angles there (Baerentzen and Aanaes, "Signed distance computation using
+ * the angle weighted pseudonormal", 2005). The direction is a mean over triangles nearly as close, with weights that
+ * fall to 0. Near the surface the direction becomes the interpolated vertex normal, so it is continuous across edges.
  * Bounds: those of smr_tree_near.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/signed_distance.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_SIDE_NEAR 0.1f     /* mm: below about this distance the direction is that of the vertices' normals */
+#define SMR_SIDE_NEAR 0.1f     /* mm: below about this distance the direction is the interpolated vertex normal */
 #define SMR_SIDE_TIE 1.00001f  /* squared distances within this factor belong to the same edge or corner */
 #define SMR_SIDE_ZERO 1.0e-10f /* mm^2: smaller squared distances count as 0 */
 #define SMR_STRAIGHT 3.14159265f
 
-/* The arc cosine to 7e-5, as exact as the weights need to be. Source: Abramowitz and Stegun, 4.4.45. */
+/* Returns the arc cosine, rad, to 7e-5 (Abramowitz and Stegun, 4.4.45). */
 static float angle_of(float cosine)
 {
     const float c = smr_min(smr_abs(cosine), 1.0f);
@@ -21,7 +20,7 @@ static float angle_of(float cosine)
     return cosine < 0.0f ? SMR_STRAIGHT - angle : angle;
 }
 
-/* The angle of a triangle at its corner nearest to the closest point. */
+/* Returns a triangle's angle, rad, at the corner nearest to the closest point. */
 static float angle_at(const smr_box_tree *f, const smr_near *near)
 {
     const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
@@ -33,8 +32,8 @@ static float angle_at(const smr_box_tree *f, const smr_near *near)
     return angle_of(smr_dot(a, b));
 }
 
-/* Height of p over the normals at the closest point: positive outside. Two equally near triangles share an edge and
- * have equal weight; more share a corner and are weighted by their angles. */
+/* Returns the weighted height of p above the triangles at the closest point, positive outside. Two equally close
+ * triangles share an edge and have equal weight; more share a corner and are weighted by their angles. */
 static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *list, float d2)
 {
     const float tie = d2 * SMR_SIDE_TIE + SMR_SIDE_ZERO;

@@ -6,10 +6,9 @@ uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const fl
 {
     const uint32_t bits = s->border[triangle];
     for (uint32_t c = 0; c < 3u; c++) {
-        uint32_t next = (c + 1u) % 3u, opposite = (c + 2u) % 3u;
-        if (weight[next] == 0.0f && weight[opposite] == 0.0f && (bits >> (3u + c) & 1u))
-            return 1u;
-        if (weight[opposite] == 0.0f && (bits >> c & 1u))
+        const uint32_t next = (c + 1u) % 3u, opposite = (c + 2u) % 3u;
+        const int at_corner = weight[next] == 0.0f && (bits >> (3u + c) & 1u), on_edge = bits >> c & 1u;
+        if (weight[opposite] == 0.0f && (at_corner || on_edge))
             return 1u;
     }
     return 0u;
@@ -28,11 +27,9 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
     if (!(max_mm >= 0.0f) || (normal != NULL && !smr_within(min_cos, 2.0f)))
         return SMR_E_INPUT;
     max_mm = smr_min(max_mm, 8.0f * SMR_COORD_MAX);
-    smr_query q = {smr_sub(smr_load(point), surface->origin), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
-    if (normal != NULL) {
-        q.normal = smr_load(normal);
-        q.min_cos = min_cos;
-    }
+    const smr_vec direction = normal != NULL ? smr_load(normal) : smr_v(0, 0, 0);
+    const smr_query q = {smr_sub(smr_load(point), surface->origin), direction, normal != NULL ? min_cos : -2.0f,
+                         UINT32_MAX, SMR_NONE};
     smr_hit h = {max_mm * max_mm, SMR_NONE, {0, 0, 0}};
     smr_tree_closest(&surface->tree, &q, &h);
     memset(hit, 0, sizeof *hit);

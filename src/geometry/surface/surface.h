@@ -28,9 +28,9 @@ typedef struct smr_surface_work {
 struct smr_surface {
     uint32_t magic; /* SMR_SURFACE_MAGIC; SMR_SURFACE_BUSY while the surface is built or refitted */
     uint32_t n_vertices;
-    uint32_t open;       /* 1: an edge outside small components has only one triangle, or the surface is a cloud */
-    uint32_t n_used;     /* vertices with triangles outside small components */
-    uint32_t n_fragment; /* triangles of small components, which registration ignores */
+    uint32_t open;       /* 1: an edge outside stray components has only one triangle, or the surface is a cloud */
+    uint32_t n_used;     /* vertices with triangles outside stray components */
+    uint32_t n_fragment; /* triangles of stray components, which registration ignores */
     uint32_t n_fragment_vertices;
     uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
     uint32_t changes;      /* number of changes of a cloud's points, or of refits of a mesh */
@@ -38,10 +38,10 @@ struct smr_surface {
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box, from which xyz[] counts */
     float *xyz;            /* [n_vertices][3] mm from origin, in the caller's order */
     float *normal;         /* [n_vertices][3] unit vertex normals */
-    float *area;           /* [n_vertices] a third of the area of the adjacent triangles, mm^2; 0 in small components */
+    float *area;           /* [n_vertices] a third of the area of the adjacent triangles, mm^2; 0 in stray components */
     uint32_t *triangle;    /* [n_triangles][3] vertex indexes, in tree order */
     uint32_t *original;    /* [n_triangles] the caller's index of each triangle */
-    unsigned char *border; /* [n_triangles] bit k: border edge k..k+1; bit 3+k: border corner k; SMR_SKIPPED */
+    unsigned char *border; /* [n_triangles] bit k: edge k..k+1 on a border; 3+k: corner k; SMR_SKIPPED */
     smr_box_tree tree;     /* box tree over the arrays above */
     smr_surface_work work;
 };
@@ -55,19 +55,20 @@ static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; 
 /* Returns 1 for a complete surface. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }
 
-/* Returns 1 for a vertex of a small component. */
+/* Returns 1 for a vertex of a stray component. */
 static inline int smr_surface_fragment(const smr_surface *s, uint32_t v)
 {
     return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && (s->border[s->work.start[v]] & SMR_SKIPPED) != 0u;
 }
 
-/* Finds the closest acceptable triangle outside small components. */
+/* Finds the closest acceptable triangle outside stray components. */
 static inline void smr_surface_search(const smr_surface *s, const smr_query *q, smr_hit *hit)
 {
     smr_tree_closest_but(&s->tree, s->n_fragment > 0u ? s->border : NULL, q, hit);
 }
 
-/* Stages of a build that find small components, over the items first .. last-1. The last one belongs to a refit, too. */
+/* Stages of a build that find stray components, over the items first .. last-1. The last one belongs to a refit, too.
+ * */
 void smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last);  /* vertices */
 void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
 void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */

@@ -31,7 +31,7 @@ static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *
     return self;
 }
 
-_Static_assert(3u * SMR_ORDER_SMALL >= SMR_ORDER_BYTES, "a sort's counts lie over triangles around vertices");
+_Static_assert(3u * SMR_SORT_SMALL >= SMR_SORT_BYTES, "a sort's counts lie over triangles around vertices");
 
 smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes)
 {
