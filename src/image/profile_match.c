@@ -10,8 +10,8 @@
 #define SMR_LEVEL 0.1f        /* weight of a difference in mean brightness */
 #define SMR_SCORE_LOW -0.999f /* lowest score; -1 marks windows with samples outside the image */
 #define SMR_SCORE_MIN 0.3f    /* scores up to this have confidence 0 */
-#define SMR_APART 4u      /* samples: least distance between first and second peak */
-#define SMR_DISTINCT 5.0f /* factor of the confidence per difference in score between first and second peak */
+#define SMR_APART 4u          /* samples: least distance between first and second peak */
+#define SMR_DISTINCT 5.0f     /* factor of the confidence per difference in score between first and second peak */
 #define SMR_DISTINCT_MIN 0.2f /* lowest factor of the confidence */
 #define SMR_FLAT 1.0e-30f     /* intensity: smaller ranges count as 0, so that 255 / range stays finite */
 

@@ -5,7 +5,7 @@
  * Geodesic distances are whole micrometres and have no boundary.
  * Bounds: for each vertex one visit to the boxes of the tree that the boundary crosses.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
 #define SMR_BOUNDARY_MM 7.0e-4f /* half the boundary's width: about thirty times the rounding of coordinates */
 #define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */

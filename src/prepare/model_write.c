@@ -1,6 +1,6 @@
 /* model_write.c: writes the model section by section, little-endian (docs/SPEC.md has the table).
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
 /* Writes the smr_stored_radius at offset `at`, after its lists were written. */
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,

@@ -5,9 +5,8 @@
  * for bit.
  * Bounds: n vertices, the word range of their rows each.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
-
 #include "geometry/box_tree/hilbert_curve.h"
+#include "prepare/prepare_plan.h"
 
 /* s_min, mm: the largest distance from a vertex to its nearest vertex, with room for rounding. */
 static float one_ring_radius(smr_plan *p)

@@ -6,9 +6,8 @@
  * Method: Kruskal 1956 with union-find; the weight of an edge i-k is |zeta+| + |zeta-|.
  * Bounds: block_size * (SMR_NEAREST + SMR_NEIGHBOURS_TRIED) candidate edges in a block.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
-
 #include "geometry/box_tree/hilbert_curve.h"
+#include "prepare/prepare_plan.h"
 
 /* Union-find: the representative of i's set; shortens the path to it. */
 static uint32_t find(uint32_t *set, uint32_t i)

@@ -6,7 +6,7 @@
 #include "base/settings.h"
 #include "geometry/surface/mesh.h"
 #include "image/intensity_profile.h"
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
 /* largest memory of a block's rows, unless the caller names a block size */
 #define SMR_ROW_BYTES_MAX ((size_t)64u << 20)

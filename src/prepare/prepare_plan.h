@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "geometry/box_tree/box_tree.h"
 #include "model/model.h"
-#include "prepare/cluster_bit_rows.h"
 
 #define SMR_NEAREST 12u          /* nearest vertices tried as parents in the forest */
 #define SMR_NEIGHBOURS_TRIED 16u /* mesh neighbours tried as parents */
@@ -128,7 +127,42 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
 void smr_plan_one_level(smr_plan *p, uint32_t n_radii);
 
-/* Row i of the plan's n_rows rows of bits (cluster_bit_rows.h). */
+/* A row of bits is a set of vertices: bit v stands for the vertex with the number v along the curve. Behind its `words`
+ * 64-bit words a row has one more word: first | last << 32. Only the words first .. last-1 may hold bits, so small
+ * clusters cost little in large models. */
+static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
+static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
+
+/* Extends the range of words that may hold bits by the words first .. last - 1. */
+static inline void smr_row_cover(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
+{
+    first = smr_min_u32(first, smr_row_first(row, words));
+    last = smr_max_u32(last, smr_row_last(row, words));
+    row[words] = (uint64_t)last << 32 | first;
+}
+
+/* Adds the vertex `bit` to the row. */
+static inline void smr_row_set(uint64_t *row, uint32_t words, uint32_t bit)
+{
+    row[bit / 64u] |= (uint64_t)1 << (bit % 64u);
+    smr_row_cover(row, words, bit / 64u, bit / 64u + 1u);
+}
+
+/* Empties the row. */
+static inline void smr_row_clear(uint64_t *row, uint32_t words)
+{
+    for (uint32_t w = smr_row_first(row, words); w < smr_row_last(row, words); w++)
+        row[w] = 0;
+    row[words] = words;
+}
+
+/* Number of vertices in the row: |zeta|. */
+uint32_t smr_row_count(const uint64_t *row, uint32_t words);
+
+/* Number of vertices in exactly one of the rows a and b: |zeta+| + |zeta-|. */
+uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t words);
+
+/* Row i of the plan's n_rows rows of bits. */
 static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * (p->words + 1u); }
 
 /* 1 when clusters of this radius also hold the mesh neighbours of their vertex. */
@@ -158,5 +192,53 @@ void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row);
  * of its structure. distance2[k], unless NULL: their squared distances, mm^2. Returns how many there are. */
 uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
                      float *distance2);
+
+/* The model being written. Bytes beyond the capacity are counted, not written. */
+typedef struct smr_writer {
+    unsigned char *model; /* NULL: count only */
+    size_t capacity;      /* bytes at model */
+    size_t used;          /* bytes so far */
+} smr_writer;
+
+/* Writes a little-endian number at offset `at`. */
+void smr_put16(smr_writer *w, size_t at, uint32_t value);
+void smr_put32(smr_writer *w, size_t at, uint32_t value);
+
+/* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns its offset. */
+size_t smr_put_section(smr_writer *w, size_t bytes);
+
+/* Writes the whole model but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
+smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
+
+/* The lists of one radius being written: the order L with parents, zeta+ and zeta-, in stored vertex numbers. */
+typedef struct smr_list_writer {
+    smr_writer *w;
+    uint32_t index_bytes;                                            /* 2 or 4: width of an index */
+    size_t at_blocks, at_entries, at_count, at_indexes, at_boundary; /* offsets of the sections */
+    uint32_t n_blocks;                                               /* blocks begun so far */
+    uint32_t n_entries;                                              /* entries of L so far */
+    uint32_t n_indexes;                                              /* indexes in all zeta+ and zeta- so far */
+    uint64_t n_boundary;                                             /* boundary pairs so far */
+    uint64_t n_members;                                              /* sum of |zeta| so far */
+    uint32_t largest, smallest;                                      /* |zeta| of the largest and smallest cluster */
+} smr_list_writer;
+
+/* Begins a block: part of the order L whose parents all lie within it. */
+void smr_list_block(smr_list_writer *l);
+
+/* Appends an entry of L: the vertex, its parent, zeta+ and zeta-. vertex: number along the curve; parent: entry number
+ * within the block; own, parent_row: the two clusters' rows, parent_row NULL for a root. */
+void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
+                    const uint64_t *parent_row);
+
+/* Writes the boundary pairs of the radius behind its lists, and adds them to the largest cluster's size. */
+void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
+
+/* Writes the clusters of the vertices first .. last-1 along the curve as one block: a minimum spanning forest. */
+void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
+
+/* Writes all clusters as one block in the paper's breadth-first order. radius_index, n_radii: for the callback.
+ * Errors: E_ABORTED. */
+smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t radius_index, uint32_t n_radii);
 
 #endif
