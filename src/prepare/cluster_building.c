@@ -118,7 +118,7 @@ static uint64_t pop(heap *h)
     return first;
 }
 
-void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
+static void geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
     const uint32_t limit = (uint32_t)smr_min(radius * 1000.0f, 4.0e9f);
     heap h = {p->geo_heap, 0};
@@ -161,7 +161,7 @@ void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
     if (p->config->distance == SMR_DISTANCE_GEODESIC)
-        smr_geodesic_row(p, v, radius, row);
+        geodesic_row(p, v, radius, row);
     else
         smr_ball_row(p, v, radius, row);
     if (p->separate)
