@@ -1,5 +1,5 @@
-/* arena.c: divides the caller's memory into slots aligned to SMR_ALIGN bytes; under the address sanitiser with a
- * poisoned red zone behind each slot.
+/* arena.c: divides the caller's memory into slots aligned to SMR_ALIGN bytes, with red zones under the address
+ * sanitiser.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 

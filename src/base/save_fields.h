@@ -1,7 +1,6 @@
 /* save_fields.h: the slots of a registration, and which of their values are saved. A stage lists its slots once, in its
  * layout function: a slot is either scratch or has a range of legal values. The same lines measure and place slots
- * (arena.h), and count, save, check and restore their values. Saved values are little-endian, without gaps, in the
- * order of the lines.
+ * (arena.h), and count, save, check and restore values. Saved values are little-endian, without gaps, in that order.
  * Bounds: one pass over each slot.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SAVE_FIELDS_H

@@ -1,6 +1,5 @@
 /* self_test.c: tests whether compiler and processor do float arithmetic as the library's bits need it (docs/SPEC.md,
- * section 1). Inputs are volatile, so that the compiler computes nothing. No probe divides by zero, overflows or makes
- * a NaN, so that traps may be on.
+ * section 1). Inputs are volatile, so that the compiler computes nothing. No probe raises a floating-point trap.
  * Bounds: about a hundred operations, under a hundred bytes of stack.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"

@@ -22,8 +22,7 @@ typedef struct smr_profile {
     uint32_t n;           /* samples, at most SMR_PROFILE_MAX */
 } smr_profile;
 
-/* Packs n intensities into packed[n], *low and *range of an smr_profile. *range is 0 when the profile is flat or a
- * sample is outside. */
+/* Packs n intensities into value[n], low and range of an smr_profile. */
 void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
                       float *range);
 

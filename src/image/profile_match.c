@@ -134,8 +134,7 @@ static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_
     }
 }
 
-/* Returns the highest local maximum of score[from .. to-1]; -1 for none. peak: scratch. Two loops without branches,
- * since branches on scores predict badly. */
+/* Returns the highest local maximum of score[from .. to-1], without branches; -1 for none. peak[to]: scratch. */
 static float highest_peak(const float *score, uint32_t from, uint32_t to, float *peak)
 {
     float highest = -1.0f;

@@ -49,8 +49,7 @@ static float product(const float *a, const float *b, uint32_t n)
     return sum;
 }
 
-/* Writes reference and image values to ref[n] and here[n], relative to their means, in units of the reference's range.
- * */
+/* Writes reference and image values to ref[n] and here[n], relative to their means, in ranges of the reference. */
 static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
 {
     for (uint32_t k = 0; k < reference->n; k++) {

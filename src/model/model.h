@@ -43,8 +43,7 @@ struct smr_model {
     uint32_t zero[6];
 };
 
-/* A further section. A library that does not know the kind skips the section, or refuses the model when the section is
- * required. */
+/* A further section. A library that does not know the kind skips an optional section and refuses a required one. */
 typedef struct smr_stored_section {
     uint32_t kind;      /* SMR_SECTION_..., not 0, each kind once; no kind is defined yet */
     uint32_t flags;     /* SMR_SECTION_REQUIRED or 0 */
@@ -52,7 +51,7 @@ typedef struct smr_stored_section {
 } smr_stored_section;
 
 #define SMR_SECTIONS_MAX 64u
-#define SMR_SECTION_REQUIRED 1u /* a library that does not know the kind must refuse the model */
+#define SMR_SECTION_REQUIRED 1u
 
 /* A structure. Vertices and triangles are numbered as the caller does, all structures in a row. */
 typedef struct smr_stored_structure {
@@ -98,8 +97,7 @@ typedef struct smr_stored_boundary {
 
 #define SMR_BOUNDARY_UNITS 256
 
-/* A block: entries first .. next block's first - 1, whose vertices form one range along the curve; and the first of its
- * indexes. */
+/* A block: its first entry and first index. The vertices of a block form one range along the curve. */
 typedef struct smr_stored_block {
     uint32_t first, first_index;
 } smr_stored_block;

@@ -191,8 +191,7 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* Checks that the sections of a radius follow each other, behind those of the radius before. A small file whose lists
- * share bytes could take long to check. */
+/* Checks that the sections of a radius follow each other, behind those of the radius before, and share no bytes. */
 static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -251,14 +250,6 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-static int repeated(const smr_stored_section *s, uint32_t i)
-{
-    for (uint32_t k = 0; k < i; k++)
-        if (s[k].kind == s[i].kind)
-            return 1;
-    return 0;
-}
-
 /* Checks that further sections follow each other. No kind is known yet: optional sections are skipped, required ones
  * are refused. The check of a new kind goes here. */
 static int check_sections(const smr_model *m)
@@ -274,9 +265,12 @@ static int check_sections(const smr_model *m)
         return 0;
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind == 0u || s[i].flags != 0u || repeated(s, i) || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
+        if (s[i].kind == 0u || s[i].flags != 0u || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
             smr_le32(s[i].at) < end)
             return 0;
+        for (uint32_t k = 0; k < i; k++)
+            if (s[k].kind == s[i].kind)
+                return 0;
         end = (uint64_t)smr_le32(s[i].at) + smr_le32(s[i].bytes);
     }
     return 1;

@@ -22,10 +22,8 @@ smr_status smr_plan_profiles(smr_plan *p)
 {
     const smr_prepare_config *c = p->config;
     smr_grid grid;
-    if (p->profile == NULL)
-        return SMR_OK;
-    smr_status status = smr_grid_open(c->reference, &grid);
-    if (status != SMR_OK)
+    const smr_status status = p->profile == NULL ? SMR_OK : smr_grid_open(c->reference, &grid);
+    if (p->profile == NULL || status != SMR_OK)
         return status;
     const uint32_t n = c->profile_samples, inward = smr_profile_inward(c);
     const smr_mesh mesh = {p->xyz, p->triangle, p->n, p->nt};

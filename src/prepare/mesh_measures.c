@@ -1,7 +1,6 @@
 /* mesh_measures.c: the mesh neighbours of each vertex, edge lengths, and the masses m_i of the vertices (paper 2.3): 1
  * each, or a third of the area of the adjacent triangles, scaled to a mean of 1 and rounded to multiples of
- * 1 / SMR_MASS_UNITS. Vertices without triangles get no forces and have the least mass, so that they hardly hold back
- * the others.
+ * 1 / SMR_MASS_UNITS. Vertices without triangles get no forces and have the least mass.
  * Bounds: 6 nt neighbours before duplicates are removed; those of each vertex are sorted.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"

@@ -1,7 +1,6 @@
 /* order_l_breadth_first.c: the paper's own order L and parents (2.2, cluster optimisation): breadth first over
  * one-ring clusters xi_i = {j : d(x_i, x_j) <= s_min}, s_min = max_i min_j d(x_i, x_j), from the vertex with the
- * largest one-ring. The whole model is one block. For comparison with the forest (order_l_forest.c), which gives the
- * same sums, bit for bit.
+ * largest one-ring. The whole model is one block. The forest (order_l_forest.c) gives the same sums, bit for bit.
  * Bounds: n vertices, the word range of their rows each.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"

@@ -98,8 +98,8 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     return unique;
 }
 
-/* Finds the minimum spanning tree over the block's vertices and the root, number `size`, and writes its edges to
- * p->tmp. Returns the number of edges. */
+/* Writes to p->tmp the edges of the minimum spanning tree over the block and the root, number `size`. Returns how many.
+ * */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};

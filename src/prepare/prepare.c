@@ -1,6 +1,6 @@
 /* prepare.c: smr_prepare(), the paper's preprocessing (2.2), makes a model from surfaces. In order: numbering along the
- * curve, masses, dihedral edges, profiles, radii, priority list S and stored order, and for each radius the clusters
- * with their order L. The scratch memory is the caller's.
+ * curve, masses, dihedral edges, profiles, radii, priority list S and stored order, clusters and order L of each
+ * radius.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/settings.h"
@@ -8,10 +8,9 @@
 #include "image/intensity_profile.h"
 #include "prepare/prepare_plan.h"
 
-#define SMR_ROW_BYTES_MAX                                                                                              \
-    ((size_t)64u << 20)     /* largest memory of a block's rows, by default */
-#define SMR_BLOCK_MIN 64u   /* smallest block, vertices */
-#define SMR_BLOCK_MAX 2048u /* largest block, vertices */
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* largest memory of a block's rows, by default */
+#define SMR_BLOCK_MIN 64u                     /* smallest block, vertices */
+#define SMR_BLOCK_MAX 2048u                   /* largest block, vertices */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 

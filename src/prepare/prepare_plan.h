@@ -104,13 +104,12 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 /* Takes all arrays from the arena, or measures them. Needs smr_plan_start(). */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
-/* The stages, in this order; each writes the fields that smr_plan names. Errors of smr_plan_profiles(): as
- * smr_grid_open. */
+/* The stages, in this order; each writes the fields that smr_plan names. */
 void smr_plan_order(smr_plan *p);          /* curve_numbering.c */
 void smr_plan_neighbours(smr_plan *p);     /* mesh_measures.c */
 void smr_plan_mass(smr_plan *p);           /* mesh_measures.c */
 void smr_plan_dihedrals(smr_plan *p);      /* fold_dihedrals_prepare.c */
-smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c */
+smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors as smr_grid_open() */
 
 /* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
@@ -231,8 +230,7 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
 /* Writes the clusters of the vertices first .. last-1 along the curve as one block: a minimum spanning forest. */
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
 
-/* Writes all clusters as one block in the paper's breadth-first order. radius_index, n_radii: for the callback.
- * Errors: E_ABORTED. */
+/* Writes all clusters as one block in the paper's breadth-first order. Errors: E_ABORTED (progress callback). */
 smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t radius_index, uint32_t n_radii);
 
 #endif

@@ -107,8 +107,7 @@ static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
     return d2 <= radius * radius && p->config->distance == SMR_DISTANCE_EUCLIDEAN && !smr_kept_apart(p, v, j);
 }
 
-/* Replaces the witness of v by the witness of a mesh neighbour whose cluster is smaller. Returns |zeta| of v's witness.
- * */
+/* Replaces the witness of v by a mesh neighbour's witness whose cluster is smaller. Returns |zeta| of v's witness. */
 static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
 {
     uint32_t tried = 0;
@@ -256,8 +255,7 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
 
 #define SMR_LEVEL_EIGHTHS 16u /* a level and all levels before it hold 16/8 as many vertices as the levels before it */
 
-/* Sets n_levels and level_end: a level ends at each of need[n] (ascending), and others in between while there is room.
- * */
+/* Sets n_levels and level_end: levels end at each of need[n] (ascending), and in between while there is room. */
 static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
 {
     uint32_t end[SMR_LEVELS_MAX], n_ends = 0; /* ends of levels, from the last to the first */
@@ -276,8 +274,7 @@ static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
         p->level_end[i] = end[n_ends - 1u - i];
 }
 
-/* Fills need[] with the distinct active_min of all radii and the number of vertices, ascending. Returns their number.
- * */
+/* Fills need[] with the distinct active_min of all radii and the number of vertices, ascending. Returns how many. */
 static uint32_t sorted_needs(const smr_plan *p, uint32_t n_radii, uint32_t need[SMR_RADII_MAX + 1u])
 {
     uint32_t n = 0, last = 0;

@@ -1,5 +1,4 @@
-/* box_tree.c: shape, boxes and normals of the box tree over triangles. A refit recomputes boxes and normals after the
- * positions have changed.
+/* box_tree.c: shape of the box tree over triangles, and refits: boxes and normals recomputed from new positions.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/hilbert_curve.h"

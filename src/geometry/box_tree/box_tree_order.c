@@ -1,5 +1,5 @@
-/* box_tree_order.c: the tree order of triangles, which makes the nodes of the box tree compact. The sort can be cut
- * into steps, which does not change the order.
+/* box_tree_order.c: sorts triangles, at once or in steps, into the tree order, which makes the box tree's nodes
+ * compact.
  * Method: a k-d tree. A range is sorted along the longest side of its box and split near the middle, where the left
  * half is a whole number of nodes, down to single leaves.
  * Bounds: every level sorts each range once; at most 3 levels of splits for each level of the box tree.
@@ -57,10 +57,9 @@ static void grow_box(smr_order *o, uint32_t from, uint32_t to)
     for (uint32_t a = 0; from == 0u && a < 3u; a++)
         o->lo[a] = o->hi[a] = centre_of(o, 0)[a];
     for (uint32_t i = from; i < to; i++) {
-        for (uint32_t a = 0; a < 3u; a++) {
-            o->lo[a] = smr_min(o->lo[a], centre_of(o, i)[a]);
-            o->hi[a] = smr_max(o->hi[a], centre_of(o, i)[a]);
-        }
+        const smr_vec p = smr_load(centre_of(o, i));
+        smr_store(o->lo, smr_low(smr_load(o->lo), p));
+        smr_store(o->hi, smr_high(smr_load(o->hi), p));
     }
 }
 

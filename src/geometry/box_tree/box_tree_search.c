@@ -1,9 +1,7 @@
-/* box_tree_search.c: closest-point search in the box tree: the closest acceptable triangle, and the triangles nearly
- * as close.
+/* box_tree_search.c: search in the box tree for the closest acceptable triangle, and for triangles nearly as close.
  * Method: depth first, nearest child first; boxes beyond the best distance so far are skipped. The search starts with
  * the last iteration's triangle, which usually is the closest one.
- * Bounds: node_budget nodes opened, 8 box tests and at most 8 triangles each. The stack holds at most 7 entries a
- * level and 8 at the bottom.
+ * Bounds: node_budget nodes opened, 8 box tests and at most 8 triangles each; a stack of 7 entries a level and 8 more.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/triangle.h"

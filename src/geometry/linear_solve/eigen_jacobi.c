@@ -107,9 +107,7 @@ void smr_pseudo_inverse(const float s[6], float floor, float out[6])
     smr_eigen(s, value, v);
     for (int k = 0; k < 3; k++)
         w[k] = value[k] > floor * value[0] && value[k] > 1.0e-20f ? 1.0f / value[k] : 0.0f;
-    int i = 0;
-    for (int r = 0; r < 3; r++)
-        for (int c = r; c < 3; c++, i++)
-            out[i] =
-                v[3 * r] * w[0] * v[3 * c] + v[3 * r + 1] * w[1] * v[3 * c + 1] + v[3 * r + 2] * w[2] * v[3 * c + 2];
+    for (int r = 0, i = 0; r < 9; r += 3)
+        for (int c = r; c < 9; c += 3)
+            out[i++] = v[r] * w[0] * v[c] + v[r + 1] * w[1] * v[c + 1] + v[r + 2] * w[2] * v[c + 2];
 }

@@ -24,15 +24,13 @@ static int factor(const smr_system *s)
                 best = i;
         if (!(smr_abs(lu[best * n + k]) > SMR_PIVOT_MIN))
             return 0;
-        if (best != k) {
-            const uint32_t row = s->pivot[k];
-            s->pivot[k] = s->pivot[best];
-            s->pivot[best] = row;
-            for (size_t j = 0; j < n; j++) {
-                const float swap = lu[k * n + j];
-                lu[k * n + j] = lu[best * n + j];
-                lu[best * n + j] = swap;
-            }
+        const uint32_t row = s->pivot[k];
+        s->pivot[k] = s->pivot[best];
+        s->pivot[best] = row;
+        for (size_t j = 0; best != k && j < n; j++) {
+            const float swap = lu[k * n + j];
+            lu[k * n + j] = lu[best * n + j];
+            lu[best * n + j] = swap;
         }
         const float inverse = 1.0f / lu[k * n + k];
         for (size_t i = k + 1u; i < n; i++) {

@@ -28,8 +28,7 @@ static void orthonormalise(float v[9])
     memcpy(v, m, sizeof m);
 }
 
-/* Writes m = R - I for the shortest rotation R from the unit vector a to the unit vector b, at most 90 degrees apart.
- * */
+/* Writes R - I for the shortest rotation R from the unit vector a to the unit vector b, at most 90 degrees apart. */
 static void shortest_near(smr_vec a, smr_vec b, float m[9])
 {
     const smr_vec w = smr_cross(a, b);
@@ -75,8 +74,7 @@ void smr_polar(const float a[9], float v[9], float m[9])
     smr_congruence(s, v, d);
     smr_jacobi(d, v, SMR_SWEEPS_WARM);
     orthonormalise(v);
-    /* k is the smallest eigenvalue; the other two directions determine R. (i, j, k) is an even permutation, so that
-     * (vi, vj, vk) is a proper rotation. */
+    /* k is the smallest eigenvalue; directions i and j determine R. (vi, vj, vk) is a proper rotation. */
     int k = d[SMR_XX] <= d[SMR_YY] && d[SMR_XX] <= d[SMR_ZZ] ? 0 : (d[SMR_YY] <= d[SMR_ZZ] ? 1 : 2);
     int i = (k + 1) % 3, j = (k + 2) % 3;
     smr_vec vi = smr_axis(v, i), vj = smr_axis(v, j), vk = smr_axis(v, k);

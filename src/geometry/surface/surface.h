@@ -67,8 +67,7 @@ static inline void smr_surface_search(const smr_surface *s, const smr_query *q, 
     smr_tree_closest_but(&s->tree, s->n_fragment > 0u ? s->border : NULL, q, hit);
 }
 
-/* Stages of a build that find stray components, over the items first .. last-1. The last one belongs to a refit, too.
- * */
+/* Stages of a build that find stray components, over the items first .. last-1. A refit runs the last stage, too. */
 void smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last);  /* vertices */
 void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
 void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */

@@ -64,16 +64,14 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
     const int turn = beside(s, l, shift, t[0], t[1]);
     if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
         return;
-    const smr_vec a = smr_add(smr_get3(s->xyz, t[0]), shift), b = smr_add(smr_get3(s->xyz, t[1]), shift),
-                  c = smr_add(smr_get3(s->xyz, t[2]), shift);
+    const smr_corner_values at_origin = smr_corners_of(s->xyz, t);
+    const smr_vec a = smr_add(at_origin.a, shift), b = smr_add(at_origin.b, shift), c = smr_add(at_origin.c, shift);
     const smr_vec n = smr_triangle_cross(a, b, c);
     const float along = axis_of(n, l->w);
     const float low = smr_min(axis_of(a, l->w), smr_min(axis_of(b, l->w), axis_of(c, l->w))),
                 high = smr_max(axis_of(a, l->w), smr_max(axis_of(b, l->w), axis_of(c, l->w)));
-    float at = 0.5f * (low + high);
-    if (smr_abs(along) > 0.0f)
-        at = axis_of(a, l->w) +
-             (axis_of(n, l->u) * (axis_of(a, l->u) - l->pu) + axis_of(n, l->v) * (axis_of(a, l->v) - l->pv)) / along;
+    const float rise = axis_of(n, l->u) * (axis_of(a, l->u) - l->pu) + axis_of(n, l->v) * (axis_of(a, l->v) - l->pv);
+    const float at = smr_abs(along) > 0.0f ? axis_of(a, l->w) + rise / along : 0.5f * (low + high);
     add_crossing(l, smr_clamp(at, low, high), turn > 0 ? -weight : weight);
 }
 
@@ -83,8 +81,8 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     const smr_box_tree *f = &s->tree;
     const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
-    uint32_t top = 0;
-    stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
+    uint32_t top = 1;
+    stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
         const smr_node *node = &f->node[f->level[level] + index];

@@ -1,5 +1,4 @@
-/* input_checksum.c: checksums of inputs for the log, by which a replay detects other inputs. A checksum covers the
- * whole input, as numbers, so it is equal on all processors.
+/* input_checksum.c: checksums of whole inputs for the log, by which a replay detects other inputs.
  * Bounds: one pass over points, triangles or voxels.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log_format.h"

@@ -39,8 +39,7 @@ static inline uint32_t smr_log_get32(const unsigned char *from)
 
 typedef struct smr_log smr_log;
 
-/* Records a call that has succeeded. Without a log the pointer is NULL, so a program that sets no log links no writer.
- * */
+/* Records a call that has succeeded. A program that sets no log links no such function. */
 typedef void smr_log_writer(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
 
 /* State of the recording. */
@@ -85,8 +84,7 @@ typedef struct smr_log_of_tick {
  *   POSITIONS, GOALS, MOTION        number: structure            what: xyz, smr_goals, smr_motion   n: vertices
  *   LANDMARKS                       what: [n] landmarks
  *   VOLUME, POSE                    what: the volume, NULL; the pose
- *   FORCE                           number: 0 taken away, 1 set, 2 its checksum in the next tick   what: that
- * (uint64_t)
+ *   FORCE                           number: 0 taken away, 1 set, 2 called   what: checksum of its result (uint64_t)
  *   VOLUME_RATIO                    number: structure            what: the ratio (float)
  *   ACTIVE                          number: vertices
  *   TICK                            what: smr_log_of_tick */

@@ -110,8 +110,7 @@ static smr_status set_again(smr_replay *r, const smr_log_record *record)
     return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
 }
 
-/* Sets the force inputs that were set after the iteration's forces were complete: records from r->later to the reader.
- * */
+/* Sets the force inputs that came after the iteration's forces were complete: records from r->later to the reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;

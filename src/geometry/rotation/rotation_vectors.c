@@ -1,10 +1,71 @@
-/* rotation_logarithm.c: logarithm and exponential of rigid motions. The functions of a^2 in Rodrigues' formula and its
- * integral are polynomials, as in rotation_rodrigues.c: without libm, branches at small angles or differences of nearly
- * equal numbers. The arc tangent is that of Cephes (S. Moshier, atanf).
- * Accuracy against double precision: rotation vectors 6e-7 rad, positions 2e-6 of |turn| |p| + |shift|.
+/* rotation_vectors.c: rotation matrices from rotation vectors by the Rodrigues formula (paper 2.3, rigid body
+ * kinematics), and logarithm and exponential of rigid motions. sin, cos and the other functions of a^2 are polynomials,
+ * because results of libm differ between platforms. The polynomials need no branch at small angles, and no difference
+ * of nearly equal numbers. The arc tangent is that of Cephes (S. Moshier, atanf).
+ * Accuracy against double precision: matrices 2e-7, rotation vectors 6e-7 rad, positions 2e-6 of |turn| |p| + |shift|.
  * SPDX-License-Identifier: MIT */
-#include "geometry/rotation/rotation_logarithm.h"
 #include "geometry/rotation/rotation.h"
+#include "geometry/rotation/rotation_logarithm.h"
+
+/* Writes *sine = sin(a) / a and *cosine = (1 - cos(a)) / a^2 for a2 = a^2, rad^2, 0 .. SMR_ANGLE_MAX^2. */
+static void sinc(float a2, float *sine, float *cosine)
+{
+    float s = 1.0f / 6227020800.0f;
+    s = s * a2 - 1.0f / 39916800.0f;
+    s = s * a2 + 1.0f / 362880.0f;
+    s = s * a2 - 1.0f / 5040.0f;
+    s = s * a2 + 1.0f / 120.0f;
+    s = s * a2 - 1.0f / 6.0f;
+    *sine = s * a2 + 1.0f;
+    float c = 1.0f / 87178291200.0f;
+    c = c * a2 - 1.0f / 479001600.0f;
+    c = c * a2 + 1.0f / 3628800.0f;
+    c = c * a2 - 1.0f / 40320.0f;
+    c = c * a2 + 1.0f / 720.0f;
+    c = c * a2 - 1.0f / 24.0f;
+    *cosine = c * a2 + 0.5f;
+}
+
+float smr_cos_degrees(float degrees)
+{
+    const float away = degrees > 90.0f ? degrees - 90.0f : 90.0f - degrees; /* cos(degrees) = +-sin(away) */
+    const float half = away * 0.0087266463f;
+    float s, c;
+    sinc(half * half, &s, &c);
+    const float sine = 2.0f * half * s * (1.0f - c * half * half); /* sin 2h = 2 sin h cos h */
+    return degrees > 90.0f ? -sine : sine;
+}
+
+smr_vec smr_turn_within(smr_vec w, float most)
+{
+    const float a2 = smr_dot(w, w);
+    if (a2 <= most * most)
+        return w;
+    if (!(a2 < 1.0e30f))
+        w = smr_scale(w, 1.0e-25f);
+    return smr_scale(smr_unit(w), most);
+}
+
+void smr_rodrigues(smr_vec w, float m[9])
+{
+    float a2 = smr_dot(w, w);
+    if (!(a2 <= SMR_ANGLE_MAX * SMR_ANGLE_MAX)) {
+        w = smr_turn_within(w, SMR_ANGLE_MAX);
+        a2 = SMR_ANGLE_MAX * SMR_ANGLE_MAX;
+    }
+    float s, c;
+    sinc(a2, &s, &c);
+    /* R - I = s [w]x + c (w w^T - a^2 I) */
+    m[0] = c * (w.x * w.x - a2);
+    m[1] = c * w.x * w.y - s * w.z;
+    m[2] = c * w.x * w.z + s * w.y;
+    m[3] = c * w.x * w.y + s * w.z;
+    m[4] = c * (w.y * w.y - a2);
+    m[5] = c * w.y * w.z - s * w.x;
+    m[6] = c * w.x * w.z - s * w.y;
+    m[7] = c * w.y * w.z + s * w.x;
+    m[8] = c * (w.z * w.z - a2);
+}
 
 #define SMR_TERMS 10u
 
@@ -48,8 +109,7 @@ static float arc_over(float y, float x)
     return ((far ? 1.5707964f : 0.78539818f) + z * p) / y;
 }
 
-/* The largest of the four squares decides which component of the unit quaternion follows from a root; the others follow
- * from quotients (Shepperd 1978). */
+/* The largest of four squares decides which component of the quaternion follows from a root (Shepperd 1978). */
 smr_vec smr_rotation_log(const float m[9])
 {
     const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2; likewise x2, y2 and z2 */

@@ -1,10 +1,12 @@
-/* signed_distance.c: signed distance to a surface of triangles. The sign follows from the normals of all triangles that
- * share the closest point, weighted by their angles there (Baerentzen and Aanaes, "Signed distance computation using
- * the angle weighted pseudonormal", 2005). The direction is a mean over triangles nearly as close, with weights that
- * fall to 0. Near the surface the direction becomes the interpolated vertex normal, so it is continuous across edges.
+/* surface_distance.c: closest points on a target surface, and signed distances to a surface of triangles. The sign
+ * follows from the normals of all triangles that share the closest point, weighted by their angles there (Baerentzen
+ * and Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005). The direction is a mean over
+ * triangles nearly as close, with weights that fall to 0. Near the surface the direction becomes the interpolated
+ * vertex normal, so it is continuous across edges.
  * Bounds: those of smr_tree_near.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/signed_distance.h"
+#include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
 #define SMR_SIDE_NEAR 0.1f     /* mm: below about this distance the direction is the interpolated vertex normal */
@@ -72,4 +74,47 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
     side->triangle = hit.triangle;
     memcpy(side->weight, hit.weight, sizeof side->weight);
     return 1;
+}
+
+uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3])
+{
+    const uint32_t bits = s->border[triangle];
+    for (uint32_t c = 0; c < 3u; c++) {
+        const uint32_t next = (c + 1u) % 3u, opposite = (c + 2u) % 3u;
+        const int at_corner = weight[next] == 0.0f && (bits >> (3u + c) & 1u), on_edge = bits >> c & 1u;
+        if (weight[opposite] == 0.0f && (at_corner || on_edge))
+            return 1u;
+    }
+    return 0u;
+}
+
+smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
+                               float max_mm, smr_closest *hit)
+{
+    if (surface == NULL || point == NULL || hit == NULL)
+        return SMR_E_NULL;
+    if (!smr_surface_valid(surface))
+        return SMR_E_STATE;
+    for (uint32_t i = 0; i < 3u; i++)
+        if (!smr_within(point[i], SMR_COORD_MAX) || (normal != NULL && !smr_within(normal[i], 2.0f)))
+            return SMR_E_INPUT;
+    if (!(max_mm >= 0.0f) || (normal != NULL && !smr_within(min_cos, 2.0f)))
+        return SMR_E_INPUT;
+    max_mm = smr_min(max_mm, 8.0f * SMR_COORD_MAX);
+    const smr_vec direction = normal != NULL ? smr_load(normal) : smr_v(0, 0, 0);
+    const smr_query q = {smr_sub(smr_load(point), surface->origin), direction, normal != NULL ? min_cos : -2.0f,
+                         UINT32_MAX, SMR_NONE};
+    smr_hit h = {max_mm * max_mm, SMR_NONE, {0, 0, 0}};
+    smr_tree_closest(&surface->tree, &q, &h);
+    memset(hit, 0, sizeof *hit);
+    hit->triangle = SMR_NONE;
+    if (h.triangle == SMR_NONE)
+        return SMR_OK;
+    smr_store(hit->point, smr_add(smr_triangle_point(&surface->tree, h.triangle, h.weight), surface->origin));
+    memcpy(hit->normal, surface->tree.normal + 3u * (size_t)h.triangle, sizeof hit->normal);
+    memcpy(hit->weight, h.weight, sizeof hit->weight);
+    hit->distance = SMR_SQRT(h.d2);
+    hit->triangle = surface->original[h.triangle];
+    hit->on_border = smr_surface_on_border(surface, h.triangle, h.weight);
+    return SMR_OK;
 }
