@@ -45,9 +45,10 @@ static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const
     smr_vec n = smr_get3(f->normal, i);
     if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
         return;
-    const smr_corner_values at = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
+    const uint32_t *t = f->triangle + 3u * (size_t)i;
     float weight[3];
-    const float d2 = smr_triangle_closest(q->point, at.a, at.b, at.c, weight);
+    float d2 =
+        smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]), weight);
     if (list != NULL && d2 < hit->d2 * widen)
         add_near(list, i, d2, weight);
     if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {

@@ -69,7 +69,7 @@ uint64_t smr_volume_checksum(const smr_volume *volume);
 /* Returns the checksum of a recorded input, kind and what as for smr_log_note(); 0: the input was taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 
-smr_log_writer smr_log_write;
+void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
 void smr_log_end(smr_log *log);
 
