@@ -1,5 +1,5 @@
-/* arena.c: divides the caller's memory into slots aligned to SMR_ALIGN bytes; under the address sanitiser with a
- * poisoned red zone behind each slot.
+/* arena.c: divides the caller's memory into slots aligned to SMR_ALIGN bytes, with red zones under the address
+ * sanitiser.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 
@@ -23,11 +23,7 @@ void __asan_unpoison_memory_region(void const volatile *addr, size_t size);
 #define SMR_RED_ZONE ((size_t)0)
 #endif
 
-smr_arena smr_arena_measure(void)
-{
-    smr_arena a = {NULL, 0, 0, NULL};
-    return a;
-}
+smr_arena smr_arena_measure(void) { return (smr_arena){NULL, 0, 0, NULL}; }
 
 smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
 {
@@ -35,22 +31,18 @@ smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
         return SMR_E_NULL;
     if ((uintptr_t)base % SMR_ALIGN != 0)
         return SMR_E_ALIGN;
-    a->base = base;
-    a->capacity = capacity;
-    a->used = 0;
-    a->keeper = NULL;
+    *a = (smr_arena){base, capacity, 0, NULL};
     return SMR_OK;
 }
 
 void *smr_arena_take(smr_arena *a, size_t count, size_t size)
 {
-    size_t start = a->used;
+    const size_t start = a->used, bytes = count * size;
     if (start > SIZE_MAX - 4u * SMR_ALIGN || (size != 0 && count > (SIZE_MAX - start - 4u * SMR_ALIGN) / size)) {
         a->used = SIZE_MAX;
         return NULL;
     }
-    size_t bytes = count * size;
-    size_t end = start + (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
+    const size_t end = start + (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
     a->used = end + SMR_RED_ZONE;
     if (a->base == NULL || a->used > a->capacity)
         return NULL;

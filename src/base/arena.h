@@ -1,5 +1,5 @@
-/* arena.h: the caller's memory, divided into aligned slots. A layout function serves twice: with a NULL base it
- * measures the bytes, with a real base it places the slots.
+/* arena.h: divides the caller's memory into aligned slots. One layout function serves twice: with a NULL base the
+ * layout function measures the bytes, with a real base it places the slots.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ARENA_H
 #define SMR_ARENA_H
@@ -7,11 +7,10 @@
 #include "base/base.h"
 
 typedef struct smr_arena {
-    unsigned char *base; /* start of the memory; NULL: measure only */
-    size_t capacity;     /* bytes at base */
-    size_t used;         /* bytes requested so far, above capacity when short; SIZE_MAX after an overflow of size_t */
-    /* not NULL: saved values are listed and nothing is placed (save and restore); NULL: slots are placed */
-    struct smr_keeper *keeper;
+    unsigned char *base;       /* start of the memory; NULL: slots are measured, not placed */
+    size_t capacity;           /* bytes at base */
+    size_t used;               /* bytes requested so far; SIZE_MAX after an overflow of size_t */
+    struct smr_keeper *keeper; /* state of a save or restore, during which no slot is placed; NULL: slots are placed */
 } smr_arena;
 
 /* Returns an arena that only measures. */

@@ -14,9 +14,8 @@
 #error "-ffast-math changes results: compile smr without it, see docs/SPEC.md, section 1"
 #endif
 
-/* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". */
-/* 16: only _Float16 is evaluated in its own type, float in float. GCC reports it for processors with AVX512-FP16,
- * unless -std= is strict. */
+/* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". GCC reports 16,
+ * under which float is evaluated in float, too, for processors with AVX512-FP16 unless -std= is strict. */
 _Static_assert(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16, "float arithmetic must be done in float");
 _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754 binary32");
 
@@ -29,7 +28,7 @@ static inline float smr_clamp(float a, float lo, float hi) { return smr_min(smr_
 static inline uint32_t smr_min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
-/* The smaller value, in a number of instructions that does not depend on the values. */
+/* Returns the smaller value, in a number of instructions that does not depend on the values. */
 static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 {
     const uint64_t mask = 0u - (uint64_t)(a < b);
@@ -38,7 +37,7 @@ static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
-/* max(a, 0), with 0 for -0. Without a branch, so that compilers vectorise loops over it. */
+/* Returns max(a, 0), and 0 for -0. Without a branch, so that compilers vectorise loops over it. */
 static inline float smr_positive(float a)
 {
     int32_t bits;
@@ -48,11 +47,10 @@ static inline float smr_positive(float a)
     return a;
 }
 
-/* 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
+/* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* The cookie of a configuration: tag, minor version and struct size in one number, by which a configuration of
- * another version is recognised. */
+/* The cookie of a configuration: tag, minor version and struct size. Other versions' configurations have other ones. */
 #define SMR_COOKIE(tag, type)                                                                                          \
     (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
 

@@ -1,4 +1,4 @@
-/* bytes.h: little-endian numbers as models and logs store them, bits of floats, and checksums.
+/* bytes.h: little-endian numbers as models and logs store them, bits of floats, hashes and checksums.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BYTES_H
 #define SMR_BYTES_H
@@ -11,7 +11,7 @@
 #define SMR_BIG_ENDIAN 0
 #endif
 
-/* Host number to little-endian and back: swaps the bytes on big-endian hosts, returns v unchanged on others. */
+/* Convert a host number to little-endian and back: swap the bytes on big-endian hosts, return v unchanged on others. */
 static inline uint16_t smr_le16(uint16_t v) { return SMR_BIG_ENDIAN ? (uint16_t)(v << 8 | v >> 8) : v; }
 
 static inline uint32_t smr_le32(uint32_t v)
@@ -19,16 +19,18 @@ static inline uint32_t smr_le32(uint32_t v)
     return SMR_BIG_ENDIAN ? (v << 24 | (v << 8 & 0xff0000u) | (v >> 8 & 0xff00u) | v >> 24) : v;
 }
 
-/* The float whose bits are stored little-endian. */
-static inline float smr_le_float(uint32_t stored)
+/* Returns the float with these bits, in host byte order. */
+static inline float smr_float_of(uint32_t bits)
 {
-    uint32_t bits = smr_le32(stored);
     float v;
     memcpy(&v, &bits, sizeof v);
     return v;
 }
 
-/* The bits of v in host byte order. */
+/* Returns the float whose bits are stored little-endian. */
+static inline float smr_le_float(uint32_t stored) { return smr_float_of(smr_le32(stored)); }
+
+/* Returns the bits of v, in host byte order. */
 static inline uint32_t smr_float_bits(float v)
 {
     uint32_t bits;
@@ -36,7 +38,7 @@ static inline uint32_t smr_float_bits(float v)
     return bits;
 }
 
-/* A hash of 64 bits: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
+/* Returns a 64-bit hash of z: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static inline uint64_t smr_mix(uint64_t z)
 {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -44,7 +46,7 @@ static inline uint64_t smr_mix(uint64_t z)
     return z ^ (z >> 31);
 }
 
-/* CRC-32 (IEEE 802.3, reflected) of n bytes, continuing from crc (0 to start). */
+/* Returns the CRC-32 (IEEE 802.3, reflected) of n bytes, continued from crc (0 to start). */
 uint32_t smr_crc32(uint32_t crc, const void *data, size_t n);
 
 #endif

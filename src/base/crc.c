@@ -1,5 +1,4 @@
-/* crc.c: CRC-32 of IEEE 802.3 (polynomial 0xEDB88320, reflected), four bytes at a time. The
- * table is constant, 512 bytes. The check value of "123456789" is 0xCBF43926.
+/* crc.c: CRC-32 of IEEE 802.3 (polynomial 0xEDB88320, reflected), four bytes at a time, from a table of 512 bytes.
  * Method: slicing (Kounavis and Berry 2005) by half bytes. table[k][h] is the CRC of half byte h followed by k zero
  * half bytes, so the eight look-ups of four bytes do not depend on each other.
  * SPDX-License-Identifier: MIT */

@@ -1,7 +1,6 @@
-/* fixed_point.h: exact sums in 32-bit fixed point that wraps around in uint32_t. Each quantity is rounded once.
- * Integer addition is exact and associative, so any order, vector width and number of threads gives the same bits,
- * and the chain Sigma_i = Sigma_k + zeta+ - zeta- (paper 2.2) does not drift. Partial sums may wrap as long as the
- * final sum fits; smr_fixed_scale() chooses the scale accordingly.
+/* fixed_point.h: exact sums in 32-bit fixed point that wraps around in uint32_t. Each term is rounded once. Integer
+ * addition is exact and associative, so any order, vector width and number of threads gives the same bits, and the
+ * chain Sigma_i = Sigma_k + zeta+ - zeta- (paper 2.2) does not drift. Partial sums may wrap; the final sum must fit.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_FIXED_POINT_H
 #define SMR_FIXED_POINT_H
@@ -9,24 +8,21 @@
 #include "base/bytes.h"
 #include "base/vec.h"
 
-/* The scale s: the largest power of two with bound * s <= 2^30, within 2^-60 .. 2^60; 1 for a bound of 0.
+/* Returns the scale: the largest power of two s with bound * s <= 2^30, within 2^-60 .. 2^60; 1 for a bound of 0.
  * bound: the largest absolute value of a final sum, finite and not negative. */
 static inline float smr_fixed_scale(float bound)
 {
     if (!(bound > 0.0f))
         return 1.0f;
-    /* bound = m 2^e with 1 <= m < 2: s = 2^(29 - e), or 2^(30 - e) when m is 1. Read from the bits: constant time. */
+    /* bound = m 2^e with 1 <= m < 2: s = 2^(29 - e), or 2^(30 - e) when m is 1. e and m are read from the bits. */
     const uint32_t bits = smr_float_bits(bound);
     const int e = (int)(bits >> 23) - 127, fits = 29 - e + ((bits & 0x7fffffu) == 0u ? 1 : 0);
     const int power = fits < -60 ? -60 : (fits > 60 ? 60 : fits);
-    const uint32_t scale = (uint32_t)(power + 127) << 23;
-    float s;
-    memcpy(&s, &scale, sizeof s);
-    return s;
+    return smr_float_of((uint32_t)(power + 127) << 23);
 }
 
-/* v rounded to the nearest integer, halves away from zero, as two's complement. Odd integers within 2^23 .. 2^24 round
- * to the even one above, values beyond +-2^30 to that limit, NaN to 2^30. */
+/* Returns v rounded to the nearest integer, halves away from zero, as two's complement. Odd integers within
+ * 2^23 .. 2^24 round to the even integer above, values beyond +-2^30 to that limit, NaN to 2^30. */
 static inline uint32_t smr_fixed(float v)
 {
     const float limit = 1073741824.0f;
@@ -36,7 +32,7 @@ static inline uint32_t smr_fixed(float v)
     return (uint32_t)(int32_t)r;
 }
 
-/* A final sum as a float: the signed value of `sum` times inverse_scale. */
+/* Returns a final sum as a float: the signed value of `sum` times inverse_scale. */
 static inline float smr_unfix(uint32_t sum, float inverse_scale)
 {
     int32_t v;
@@ -44,7 +40,7 @@ static inline float smr_unfix(uint32_t sum, float inverse_scale)
     return (float)v * inverse_scale;
 }
 
-/* Three final sums as a vector. */
+/* Returns three final sums as a vector. */
 static inline smr_vec smr_unfix3(const uint32_t *sum, float inverse_scale)
 {
     return smr_v(smr_unfix(sum[0], inverse_scale), smr_unfix(sum[1], inverse_scale), smr_unfix(sum[2], inverse_scale));

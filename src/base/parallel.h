@@ -1,5 +1,5 @@
-/* parallel.h: the parallel loop over tasks, run by the caller's smr_port.
- * The number of tasks follows from the model, never from the number of workers: results do not depend on it.
+/* parallel.h: the parallel loop over tasks, run by the caller's smr_port. The number of tasks follows from the model,
+ * never from the number of workers, so results do not depend on the workers.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PARALLEL_H
 #define SMR_PARALLEL_H

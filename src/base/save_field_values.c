@@ -7,7 +7,7 @@
 
 enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
 
-/* Reserves count values of `size` bytes, of this kind and range. Returns 1 when they are to be processed. */
+/* Begins count values of `size` bytes, of this kind and range. Returns 1 when they are to be processed one by one. */
 static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
 {
     const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
@@ -21,6 +21,7 @@ static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32
     return !k->wrong;
 }
 
+/* Writes *value to the save, or reads *value from it. */
 static void word(smr_keeper *k, uint32_t *value)
 {
     uint32_t stored = smr_le32(*value);
@@ -32,7 +33,6 @@ static void word(smr_keeper *k, uint32_t *value)
     k->at += sizeof stored;
 }
 
-/* Processes 32-bit words. field NULL: they are not stored. */
 static void words(smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none)
 {
     if (!begin(k, count, sizeof *field, KEPT_WORD + 256u * (uint32_t)or_none, most))
@@ -52,9 +52,8 @@ static void floats(smr_keeper *k, float *field, size_t count, float least, float
         return;
     for (size_t i = 0; i < count; i++) {
         uint32_t bits = k->mode == SMR_KEEP_SAVE ? smr_float_bits(field[i]) : 0u;
-        float value;
         word(k, &bits);
-        memcpy(&value, &bits, sizeof value);
+        const float value = smr_float_of(bits);
         k->wrong |= !(value >= least && value <= most);
         if (field != NULL)
             field[i] = value;
@@ -75,8 +74,7 @@ static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
     }
 }
 
-/* Returns 1 when the pose is a similarity: its columns are equally long and at right angles, within the tolerance
- * that cluster bounds allow. */
+/* Returns 1 when the pose's columns are equally long and at right angles, within the tolerance of cluster bounds. */
 static int is_similarity(const smr_pose *p)
 {
     const smr_vec a = smr_column(p, 0), b = smr_column(p, 1), c = smr_column(p, 2);

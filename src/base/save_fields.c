@@ -1,4 +1,4 @@
-/* save_fields.c: slots of a registration: placed, or gone over.
+/* save_fields.c: places the slots of a registration, or passes their values to a save or restore.
  * SPDX-License-Identifier: MIT */
 #include "base/save_fields.h"
 

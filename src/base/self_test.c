@@ -1,13 +1,12 @@
 /* self_test.c: tests whether compiler and processor do float arithmetic as the library's bits need it (docs/SPEC.md,
- * section 1). Inputs are volatile, so that the compiler computes nothing. Each probe expects one exact wrong result;
- * no probe divides by zero, overflows or makes a NaN, so that traps may be on.
+ * section 1). Inputs are volatile, so that the compiler computes nothing. No probe raises a floating-point trap.
  * Bounds: about a hundred operations, under a hundred bytes of stack.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
 
 #define SMR_PROBES 4u /* operations of each probe, enough to be vectorised: vector units may have a mode of their own */
 
-/* Loads a value in a way that no compiler sees through. */
+/* Returns v, which the compiler cannot know. */
 static float number(float v)
 {
     const volatile float at = v;
@@ -17,7 +16,7 @@ static float number(float v)
 static float number_of_bits(uint32_t bits)
 {
     const volatile uint32_t at = bits;
-    return smr_le_float(smr_le32(at));
+    return smr_float_of(at);
 }
 
 /* Returns 1 when each product a[i] * b[i] has these bits. */
@@ -32,8 +31,8 @@ static int products_are(const float *a, const float *b, uint32_t bits)
     return same;
 }
 
-/* (1 + 2^-12)^2 is 1 + 2^-11 + 2^-24; rounded to a float it loses the last term, fused it does not. Each product has
- * inputs of its own: compilers do not fuse one that has a second use. */
+/* Returns 1 when products and sums are fused: (1 + 2^-12)^2 = 1 + 2^-11 + 2^-24 then keeps the last term, which a float
+ * loses. Each product has inputs of its own, because compilers do not fuse a product that is used twice. */
 static int fused(void)
 {
     const float x = 1.000244140625f, z = number(1.00048828125f), lost = 5.9604644775390625e-8f; /* 2^-24 */
@@ -42,7 +41,7 @@ static int fused(void)
     return less == lost || more == -lost || sum == lost;
 }
 
-/* 2^-127 is 2^-126 / 2, and 2^-149 * 2^30 is 2^-119: zero where results or inputs below 2^-126 are flushed. */
+/* Returns 1 when results or inputs below 2^-126 are flushed: 2^-126 / 2 or 2^-149 * 2^30 is then 0. */
 static int flushed(void)
 {
     float small[SMR_PROBES], half[SMR_PROBES], smallest[SMR_PROBES], large[SMR_PROBES];
@@ -57,15 +56,14 @@ static int flushed(void)
            smr_float_bits(difference) != 1u;
 }
 
-/* 2^24 + 1 has no float and becomes 2^24: the difference is 1 only where the sum was kept with more bits, or where the
- * compiler took a + b - a for b. */
+/* Returns 1 when sums keep more bits than a float, or the compiler takes a + b - a for b: 2^24 + 1 has no float. */
 static int excess(void)
 {
     const float a = number(16777216.0f), b = number(1.0f);
     return (a + b) - a == 1.0f;
 }
 
-/* Halves are rounded to even, everything else to the nearest, for both signs; quotients and roots, too. */
+/* Returns 1 unless sums, quotients, roots and conversions round to the nearest float, and halves to even. */
 static int rounded(void)
 {
     const float one = number(1.0f), step = number(1.1920928955078125e-7f); /* 2^-23, from one float to the next */
@@ -78,8 +76,7 @@ static int rounded(void)
            smr_float_bits(root) != 0x3fb504f3u;
 }
 
-/* With more bits than a float has, sums and quotients also look fused and wrongly rounded: then only excess is
- * reported. */
+/* With excess bits, sums and quotients also look fused and wrongly rounded: only the excess is reported then. */
 uint32_t smr_self_test(void)
 {
     const uint32_t flush = flushed() ? SMR_FLOAT_FLUSHED : 0u;

@@ -1,5 +1,5 @@
-/* settings.h: what the tables settings_config.def and settings_prepare.def expand to: defaults and checks.
- * Each use defines SMR_GROUP(title) and SMR_SETTING(...) and includes a table, which undefines both again.
+/* settings.h: macros that turn the tables settings_config.def and settings_prepare.def into defaults and checks. A user
+ * defines SMR_GROUP(title) and SMR_SETTING(...) and includes a table, which undefines both again.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SETTINGS_H
 #define SMR_SETTINGS_H
@@ -18,7 +18,7 @@ static inline int smr_legal_number(float v, float low, float high, int ends)
     return v >= low && v <= high && (ends != SMR_ENDS_OPEN || (v > low && v >= FLT_MIN));
 }
 
-/* By kind: checks that a value is legal. Kinds that are checked beside the table always pass. */
+/* SMR_LEGAL_kind is 1 when a value of this kind is legal. Kinds that are checked beside the table always pass. */
 #define SMR_LEGAL_COUNT(v, low, high, ends) smr_legal_count((v), (uint32_t)(low), (uint32_t)(high), (ends))
 #define SMR_LEGAL_CHOICE SMR_LEGAL_COUNT
 #define SMR_LEGAL_SWITCH SMR_LEGAL_COUNT
@@ -27,7 +27,7 @@ static inline int smr_legal_number(float v, float low, float high, int ends)
 #define SMR_LEGAL_VECTOR(v, low, high, ends) 1
 #define SMR_LEGAL_POINTER(v, low, high, ends) 1
 
-/* By kind: sets a default. Vectors and pointers start as zeros. */
+/* SMR_DEFAULT_kind sets a value of this kind to its default. Vectors and pointers stay 0. */
 #define SMR_DEFAULT_COUNT(v, value) (v) = (uint32_t)(value);
 #define SMR_DEFAULT_CHOICE SMR_DEFAULT_COUNT
 #define SMR_DEFAULT_SWITCH SMR_DEFAULT_COUNT
@@ -36,7 +36,7 @@ static inline int smr_legal_number(float v, float low, float high, int ends)
 #define SMR_DEFAULT_VECTOR(v, value)
 #define SMR_DEFAULT_POINTER(v, value)
 
-/* Rows of a table, for a configuration at c. */
+/* SMR_ROW_... expand a row of a table for the configuration *c. */
 #define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, image, text)                           \
     SMR_DEFAULT_##kind(c->path, value)
 #define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, image, text)                             \

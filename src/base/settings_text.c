@@ -1,5 +1,4 @@
-/* settings_text.c: the tables of settings with their texts, for programs that print them. In a file of its own, so
- * that a device that does not need it links none of it.
+/* settings_text.c: the tables of settings with their texts, for programs that print them; no device links the texts.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 
@@ -39,16 +38,12 @@ static const smr_setting prepare_settings[] = {
 #include "base/settings_prepare.def"
 };
 
-const smr_setting *smr_config_settings(uint32_t *n)
+static const smr_setting *counted(const smr_setting *table, size_t bytes, uint32_t *n)
 {
     if (n != NULL)
-        *n = (uint32_t)(sizeof config_settings / sizeof config_settings[0]);
-    return config_settings;
+        *n = (uint32_t)(bytes / sizeof *table);
+    return table;
 }
 
-const smr_setting *smr_prepare_settings(uint32_t *n)
-{
-    if (n != NULL)
-        *n = (uint32_t)(sizeof prepare_settings / sizeof prepare_settings[0]);
-    return prepare_settings;
-}
+const smr_setting *smr_config_settings(uint32_t *n) { return counted(config_settings, sizeof config_settings, n); }
+const smr_setting *smr_prepare_settings(uint32_t *n) { return counted(prepare_settings, sizeof prepare_settings, n); }

@@ -9,15 +9,7 @@ typedef struct smr_vec {
     float x, y, z;
 } smr_vec;
 
-static inline smr_vec smr_v(float x, float y, float z)
-{
-    smr_vec r;
-    r.x = x;
-    r.y = y;
-    r.z = z;
-    return r;
-}
-
+static inline smr_vec smr_v(float x, float y, float z) { return (smr_vec){x, y, z}; }
 static inline smr_vec smr_load(const float *p) { return smr_v(p[0], p[1], p[2]); }
 
 static inline void smr_store(float *p, smr_vec a)
@@ -27,7 +19,7 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
-/* Element i of an array [n][3]. */
+/* Read and write element i of an array [n][3]. */
 static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
 static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
 
@@ -43,42 +35,40 @@ static inline smr_vec smr_cross(smr_vec a, smr_vec b)
 
 static inline float smr_length(smr_vec a) { return SMR_SQRT(smr_dot(a, a)); }
 
-/* a / |a|; zero when |a| <= 1e-15. */
+/* Returns a / |a|; 0 when |a| <= 1e-15. */
 static inline smr_vec smr_unit(smr_vec a)
 {
-    float l2 = smr_dot(a, a);
-    if (!(l2 > 1.0e-30f))
-        return smr_v(0.0f, 0.0f, 0.0f);
-    return smr_scale(a, 1.0f / SMR_SQRT(l2));
+    const float l2 = smr_dot(a, a);
+    return l2 > 1.0e-30f ? smr_scale(a, 1.0f / SMR_SQRT(l2)) : smr_v(0.0f, 0.0f, 0.0f);
 }
 
-/* The matrix-vector product m a. */
+/* Returns the matrix-vector product m a. */
 static inline smr_vec smr_mul(const float m[9], smr_vec a)
 {
     return smr_v(m[0] * a.x + m[1] * a.y + m[2] * a.z, m[3] * a.x + m[4] * a.y + m[5] * a.z,
                  m[6] * a.x + m[7] * a.y + m[8] * a.z);
 }
 
-/* a rounded to a whole number, halves away from zero; limited to +-2^30. */
+/* Returns a rounded to a whole number, halves away from zero, and limited to +-2^30. */
 static inline float smr_whole_number(float a)
 {
     const float v = smr_clamp(a, -1073741824.0f, 1073741824.0f);
     return (float)(int32_t)(v + (v < 0.0f ? -0.5f : 0.5f));
 }
 
-/* Each coordinate rounded to a whole number. Subtracting such an origin from coordinates loses few digits or none. */
+/* Rounds each coordinate to a whole number. Subtracting such an origin from coordinates loses few digits or none. */
 static inline smr_vec smr_whole(smr_vec a)
 {
     return smr_v(smr_whole_number(a.x), smr_whole_number(a.y), smr_whole_number(a.z));
 }
 
-/* 1 when each coordinate is finite and within +-limit. */
+/* Returns 1 when each coordinate is finite and within +-limit. */
 static inline int smr_within3(smr_vec a, float limit)
 {
     return smr_within(a.x, limit) && smr_within(a.y, limit) && smr_within(a.z, limit);
 }
 
-/* The smaller, and the larger, of each coordinate. */
+/* Return the smaller, and the larger, value of each coordinate. */
 static inline smr_vec smr_low(smr_vec a, smr_vec b)
 {
     return smr_v(smr_min(a.x, b.x), smr_min(a.y, b.y), smr_min(a.z, b.z));
@@ -88,10 +78,10 @@ static inline smr_vec smr_high(smr_vec a, smr_vec b)
     return smr_v(smr_max(a.x, b.x), smr_max(a.y, b.y), smr_max(a.z, b.z));
 }
 
-/* Column c of the pose's matrix. */
+/* Returns column c of the pose's matrix. */
 static inline smr_vec smr_column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
 
-/* The point a moved by the pose. */
+/* Returns the point a, mm, moved by the pose. */
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)
 {
     return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z + p->m[0][3],

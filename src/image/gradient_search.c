@@ -1,14 +1,15 @@
 /* gradient_search.c: maximal gradient search along the normal (paper 2.1): the steepest edge of the image near the
- * surface whose polarity and brightness agree with the edge of the reference profile, or the steepest of all.
- * Bounds: 2 * reach + 1 samples; the place is refined by a parabola through the neighbouring slopes.
+ * surface whose polarity and brightness agree with the edge of the reference profile, or the steepest edge of all. The
+ * position of an edge is refined by a parabola through the neighbouring slopes.
+ * Bounds: 2 * reach + 1 samples.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 
 #define SMR_EDGE_NEAR 3u   /* samples on either side of the surface in which the reference's edge is sought */
 #define SMR_EDGE_MIN 0.08f /* least slope of the reference's edge, in ranges of the profile per sample */
-#define SMR_STEEP 3.0f     /* the edge so many times as steep as the reference's counts most; steeper ones count less */
+#define SMR_STEEP 3.0f     /* slope, relative to the reference's, of the edges that are worth most */
 
-/* Slope of the packed reference at sample k, in ranges per sample. */
+/* Returns the slope of the packed reference at sample k, in ranges per sample. */
 static float slope_at(const uint8_t *packed, uint32_t k)
 {
     return ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
@@ -16,12 +17,12 @@ static float slope_at(const uint8_t *packed, uint32_t k)
 
 /* The edge of the reference profile. */
 typedef struct edge {
-    float slope;  /* ranges of the profile per sample; its sign is the polarity; 0: no edge */
+    float slope;  /* slope, in ranges of the profile per sample; its sign is the polarity; 0: no edge */
     float level;  /* brightness at the steepest sample, in units of the profile's range */
-    float beyond; /* samples from the surface to the edge, outwards positive */
+    float beyond; /* distance from the surface to the edge, samples, outwards positive */
 } edge;
 
-/* The steepest edge within SMR_EDGE_NEAR samples of the surface, sample `zero`. */
+/* Returns the steepest edge within SMR_EDGE_NEAR samples of the surface, sample `zero`. */
 static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
 {
     edge own = {0.0f, 0.0f, 0.0f};
@@ -41,23 +42,19 @@ static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
     return own;
 }
 
-/* The worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter than it. From half as
- * steep on, the worth is about 1 and more, which gives full confidence. It is greatest at SMR_STEEP times as steep,
- * and at SMR_STEEP^2 times what it is at 1: much steeper edges belong to other tissue (bone next to a muscle in
- * CT). */
+/* Returns the worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter. The worth
+ * exceeds 1, which is full confidence, from about half as steep on, is greatest at SMR_STEEP and falls beyond: much
+ * steeper edges belong to other tissue (bone next to a muscle in CT). */
 static float edge_worth(float steep, float lighter)
 {
     const float over = steep * (1.0f / SMR_STEEP);
     return 2.0f * steep / ((1.0f + over * over) * (1.0f + lighter * lighter));
 }
 
-/* 1 when n samples all lie inside the image. */
-static int all_inside(const unsigned char *inside, uint32_t n)
+/* Returns 1 when the sample *inside and two samples on either side lie inside the image. */
+static int five_inside(const unsigned char *inside)
 {
-    uint32_t missing = 0;
-    for (uint32_t k = 0; k < n; k++)
-        missing += !inside[k];
-    return missing == 0u;
+    return inside[-2] && inside[-1] && inside[0] && inside[1] && inside[2];
 }
 
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
@@ -76,7 +73,7 @@ smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const flo
     uint32_t at = 0;
     for (uint32_t k = first; k <= last && k + 2u < m; k++) {
         const float steep = (line[k + 1u] - line[k - 1u]) * scale;
-        if (!(steep > 0.0f) || !all_inside(inside + k - 2u, 5u))
+        if (!(steep > 0.0f) || !five_inside(inside + k))
             continue;
         const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
         const float worth = edge_worth(steep, (line[k] - reference->low) / range - own.level) * (1.0f - 0.5f * away);
@@ -99,7 +96,7 @@ smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m
     uint32_t at = 0;
     for (uint32_t k = first; k <= centre + reach && k + 2u < m; k++) {
         const float steep = smr_abs(line[k + 1u] - line[k - 1u]);
-        if (steep > best && all_inside(inside + k - 2u, 5u)) {
+        if (steep > best && five_inside(inside + k)) {
             best = steep;
             at = k;
         }

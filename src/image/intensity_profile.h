@@ -11,46 +11,45 @@
 
 /* A goal position found along a line of image samples. */
 typedef struct smr_peak {
-    float at;         /* place on the line, in samples */
-    float confidence; /* 0 .. 1; 0: no goal */
+    float at;         /* position on the line, samples */
+    float confidence; /* confidence of the goal, 0 .. 1; 0: no goal */
 } smr_peak;
 
 /* A reference profile: the intensity of sample k is low + value[k] * range / 255. */
 typedef struct smr_profile {
-    const uint8_t *value; /* [n] */
-    float low, range;     /* intensity; range 0: the profile is flat or partly outside and never gives a goal */
+    const uint8_t *value; /* [n] packed intensities */
+    float low, range;     /* intensities; range 0: the profile is flat or partly outside and never gives a goal */
     uint32_t n;           /* samples, at most SMR_PROFILE_MAX */
 } smr_profile;
 
-/* Packs n intensities into packed[n], *low and *range as in smr_profile. *range is 0 when the profile is flat or not
- * all samples are inside. */
+/* Packs n intensities into value[n], low and range of an smr_profile. */
 void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
                       float *range);
 
 /* The similarity measure of profiles. */
 typedef struct smr_similarity {
-    uint32_t kind;  /* measure, SMR_SIMILARITY_... */
-    float noise;    /* noise level, intensity; concordance ignores contrast below it */
-    float nearer;   /* subtracted from scores, times the squared distance from the middle offset (1 at the ends) */
+    uint32_t kind;  /* SMR_SIMILARITY_... */
+    float noise;    /* noise level, intensity; concordance ignores lower contrast */
+    float nearer;   /* loss of score at the end offsets; in between it is times the squared distance from the middle */
     uint32_t plain; /* 1: any match has the confidence 1 */
 } smr_similarity;
 
-/* Finds the offset 0 .. m - n at which the reference is most similar to line[m]; n: samples of the reference.
- * Returns a peak with confidence 0 without a match. Correlation does not depend on the reference's low and range. */
+/* Finds the offset 0 .. m - n at which the reference, of n samples, is most similar to line[m]. Returns a peak with
+ * confidence 0 without a match. Correlation does not depend on the reference's low and range. */
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
                            const smr_similarity *how);
 
-/* Finds the best edge within `reach` samples of line sample `centre`: same polarity as the reference's edge, similar
- * brightness, steep, and near. The reference's edge is its steepest one near its sample `zero`, the surface. The goal
- * is shifted by the distance between the reference's edge and `zero`. Confidence 0: no edge. */
+/* Finds the best edge within `reach` samples of line sample `centre`: an edge of the reference edge's polarity and
+ * similar brightness, steep, and near. The reference edge is the reference's steepest edge near its sample `zero`, the
+ * surface. The goal is as far from the best edge as `zero` is from the reference edge. Confidence 0: no edge. */
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
 
-/* Finds the steepest sample within `reach` samples of line sample `centre` (paper 3, gradient magnitude
- * maximization). Of equally steep ones the first. Confidence 1; 0 on a constant line. */
+/* Finds the first steepest sample within `reach` samples of line sample `centre` (paper 3, gradient magnitude
+ * maximization). The confidence is 1; 0 on a constant line. */
 smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
-/* The maximum of the parabola through three equally spaced values, relative to the middle one, -0.5 .. 0.5. */
+/* Returns the place, relative to the middle one, of the maximum of a parabola through three values, -0.5 .. 0.5. */
 static inline float smr_parabola_peak(float before, float at, float after)
 {
     const float bend = before - 2.0f * at + after;

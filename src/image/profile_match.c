@@ -1,9 +1,8 @@
 /* profile_match.c: one-dimensional registration of intensity profiles along the normal (paper 2.1): the offset at
  * which a line of image samples is most similar to the reference profile, between samples, and its confidence.
  * Similarity measures: normalised cross-correlation (paper 3; Lewis 1995, with running sums), sum of squared
- * differences, and concordance, 2 s_xy / (s_x^2 + s_y^2 + SMR_LEVEL (mean_x - mean_y)^2). Lin 1989 has 1 for
- * SMR_LEVEL; it is less here: brightness differs between images of one kind, though not as much as between tissues.
- * The peak is refined by a parabola through its neighbours.
+ * differences, and concordance, 2 s_xy / (s_x^2 + s_y^2 + SMR_LEVEL (mean_x - mean_y)^2). Lin 1989 has SMR_LEVEL = 1; a
+ * smaller value allows for different brightness of images of one kind.
  * Bounds: (m - n + 1) * n multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
@@ -11,12 +10,29 @@
 #define SMR_LEVEL 0.1f        /* weight of a difference in mean brightness */
 #define SMR_SCORE_LOW -0.999f /* lowest score; -1 marks windows with samples outside the image */
 #define SMR_SCORE_MIN 0.3f    /* scores up to this have confidence 0 */
-#define SMR_APART 4u          /* samples: least distance of a second peak, which lowers the confidence */
-#define SMR_DISTINCT 5.0f     /* confidence factor per score difference between first and second peak */
-#define SMR_DISTINCT_MIN 0.2f /* lowest such factor */
+#define SMR_APART 4u          /* samples: least distance between first and second peak */
+#define SMR_DISTINCT 5.0f     /* factor of the confidence per difference in score between first and second peak */
+#define SMR_DISTINCT_MIN 0.2f /* lowest factor of the confidence */
+#define SMR_FLAT 1.0e-30f     /* intensity: smaller ranges count as 0, so that 255 / range stays finite */
 
-/* The similarity of one window of n samples with the reference, both relative to the reference's mean and in units of
- * its range. dot: sum of their products; sum, square: sums of the window's samples and of their squares; ref_norm:
+void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
+                      float *range)
+{
+    float lo = value[0], hi = value[0];
+    int all_inside = 1;
+    for (uint32_t k = 0; k < n; k++) {
+        all_inside &= inside[k] != 0;
+        lo = smr_min(lo, value[k]);
+        hi = smr_max(hi, value[k]);
+    }
+    *low = all_inside ? lo : 0.0f;
+    *range = all_inside && hi - lo > smr_max(1.0e-6f * (smr_abs(lo) + smr_abs(hi)), SMR_FLAT) ? hi - lo : 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        packed[k] = *range > 0.0f ? (uint8_t)((value[k] - lo) * (255.0f / *range) + 0.5f) : 0u;
+}
+
+/* Returns the similarity of a window of n samples with the reference, both relative to the reference's mean and in
+ * units of its range. dot: sum of products; sum, square: sums of the window's samples and of their squares; ref_norm:
  * root of the reference's sum of squares; noise2: squared noise. */
 static inline float score_of(uint32_t kind, float ref_norm, float noise2, float n, float dot, float sum, float square)
 {
@@ -29,11 +45,11 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
 }
 
 #define SMR_SIDE 32u /* most offsets scored together, in loops that compilers vectorise */
-#define SMR_WIDTH 4u /* their number is rounded up to a multiple of this */
+#define SMR_WIDTH 4u /* the number of offsets scored together is a multiple of this */
 
 /* Running sums over the samples of one window. */
 typedef struct running {
-    float sum, square; /* of the samples, of their squares */
+    float sum, square; /* sums of the samples, and of their squares */
     uint32_t missing;  /* samples outside the image */
 } running;
 
@@ -43,7 +59,7 @@ typedef struct windows {
     uint32_t missing[SMR_SIDE];
 } windows;
 
-/* Moves the running sums r from offset o - 1 to o + count - 1; w keeps the sums at offsets o .. o + count - 1. */
+/* Moves the running sums r from offset o - 1 to o + count - 1; writes to w the sums at offsets o .. o + count - 1. */
 static void slide(running *r, const float *line, const unsigned char *inside, uint32_t n, uint32_t o, uint32_t count,
                   windows *w)
 {
@@ -60,7 +76,7 @@ static void slide(running *r, const float *line, const unsigned char *inside, ui
     }
 }
 
-/* The parameters that all scores of one profile share. */
+/* Parameters of all scores of one profile. */
 typedef struct scoring {
     float ref_norm;   /* root of the sum of squares of the reference, relative to its mean, in units of its range */
     float noise2;     /* squared noise in units of the reference's range */
@@ -70,20 +86,19 @@ typedef struct scoring {
     float nearer;     /* smr_similarity.nearer */
 } scoring;
 
-/* score[i]: score of the window at offset o + i, i < count; -1 where it has samples outside the image. */
+/* Writes score[i], the score of the window at offset o + i, i < count; -1 where samples lie outside the image. */
 static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint32_t count, const float *dot,
                               const windows *w, float *score)
 {
     for (uint32_t i = 0; i < count; i++) {
         const float away = ((float)(int32_t)(o + i) - s->middle) * s->per_sample;
-        const float like =
-            score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]) - s->nearer * away * away;
-        const float score_in = smr_clamp(like, SMR_SCORE_LOW, 1.0f);
-        score[i] = w->missing[i] > 0u ? -1.0f : score_in;
+        const float similarity = score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]);
+        const float inside = smr_clamp(similarity - s->nearer * away * away, SMR_SCORE_LOW, 1.0f);
+        score[i] = w->missing[i] > 0u ? -1.0f : inside;
     }
 }
 
-/* dot[i] = sum over k of ref[k] line[k + i], added in the order of k. */
+/* Writes dot[i], the sum over k of ref[k] line[k + i], added in the order of k. */
 static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
 {
     for (size_t i = 0; i < count; i++)
@@ -93,7 +108,7 @@ static void dots(const float *ref, uint32_t n, const float *line, uint32_t count
             dot[i] += ref[k] * line[k + i];
 }
 
-/* score[o]: score at every offset o. line and score have room for SMR_WIDTH - 1 more values. */
+/* Writes score[o] at every offset o. line and score have room for SMR_WIDTH - 1 more values. */
 static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line,
                       const unsigned char *inside, uint32_t offsets, float *score)
 {
@@ -119,8 +134,7 @@ static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_
     }
 }
 
-/* The highest local maximum of score[from .. to-1]; -1 for none. peak: scratch. Two loops without branches, since
- * branches on scores predict badly. */
+/* Returns the highest local maximum of score[from .. to-1], without branches; -1 for none. peak[to]: scratch. */
 static float highest_peak(const float *score, uint32_t from, uint32_t to, float *peak)
 {
     float highest = -1.0f;
@@ -133,8 +147,8 @@ static float highest_peak(const float *score, uint32_t from, uint32_t to, float 
     return highest;
 }
 
-/* The offset with the highest score, between samples, and its confidence, which grows with the score and with its
- * distance from the second peak. plain: any match has the confidence 1. */
+/* Returns the offset with the highest score, refined by a parabola through its neighbours. The confidence grows with
+ * the score and with the difference from the second peak's score. plain: any match has the confidence 1. */
 static smr_peak peak_of(const float *score, uint32_t offsets, uint32_t plain, float *scratch)
 {
     uint32_t best = 0;
@@ -166,7 +180,7 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
     if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
         return (smr_peak){0.0f, 0.0f};
     const uint32_t offsets = m - n + 1u;
-    /* all values relative to the reference's mean, in units of its range, so that sums lose no digits */
+    /* ref[] and centred[] are relative to the reference's mean, in units of its range, so that sums lose no digits */
     float mean = 0.0f, norm = 0.0f;
     for (uint32_t k = 0; k < n; k++)
         mean += (float)packed[k] * (1.0f / 255.0f);
@@ -186,8 +200,8 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
     for (uint32_t k = 0; !level_counts && k < m; k++)
         centred[k] -= inside[k] ? level / count : 0.0f;
     const float noise = how->noise / range, middle = 0.5f * (float)(offsets - 1u);
-    const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, offsets > 1u ? 1.0f / middle : 0.0f,
-                            how->nearer};
+    const float per_sample = offsets > 1u ? 1.0f / middle : 0.0f;
+    const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, per_sample, how->nearer};
     score[0] = -1.0f; /* silences compilers that do not see that offsets >= 1 */
     scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
     return peak_of(score, offsets, how->plain, centred);

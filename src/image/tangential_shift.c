@@ -1,17 +1,17 @@
 /* tangential_shift.c: the displacement along the surface after which the image agrees better with the reference
- * profile. The paper's goals lie on the normal and determine nothing along the surface. Method: one damped
- * Gauss-Newton step (Lucas and Kanade 1981) on the squared differences between reference and image, in two
- * tangential directions u and v.
+ * profile; the paper's goals lie on the normal.
+ * Method: one damped Gauss-Newton step (Lucas and Kanade 1981) on the squared differences between reference and image,
+ * in two tangential directions u and v.
  * Bounds: four lines of at most SMR_PROFILE_MAX samples.
  * SPDX-License-Identifier: MIT */
 #include "image/tangential_shift.h"
 
-#define SMR_FARTHEST2 1.0e30f  /* mm^2: larger shifts, and NaN, come from values that no image has */
-#define SMR_NORMAL_ALONG 0.6f  /* below it the normal's x component leaves a long cross product with the x axis */
+#define SMR_FARTHEST2 1.0e30f  /* mm^2: larger squared displacements, and NaN, come from values that no image has */
+#define SMR_NORMAL_ALONG 0.6f  /* a normal with a smaller x component has a long cross product with the x axis */
 #define SMR_CONTRAST_MOST 4.0f /* largest contrast returned */
 #define SMR_ROUNDING 1.0e-4f   /* damping relative to the squared slopes: a hundred times the sums' rounding error */
 
-/* Subtracts the mean, because brightness differs between images of one kind. */
+/* Subtracts from n values their mean, because brightness differs between images of one kind. */
 static void subtract_mean(float *value, uint32_t n)
 {
     float sum = 0.0f;
@@ -22,8 +22,8 @@ static void subtract_mean(float *value, uint32_t n)
         value[k] -= mean;
 }
 
-/* slope[k]: the image's derivative along the unit vector `side` at sample k, per mm, in units of the reference's
- * range, relative to the mean of all slopes. Returns 0 when samples lie outside the image. */
+/* Writes slope[k], the image's derivative along the unit vector `side` at sample k, in ranges of the reference per mm,
+ * relative to the mean of all slopes. Returns 0 when samples lie outside the image. */
 static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
 {
     float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
@@ -40,7 +40,7 @@ static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, floa
     return 1;
 }
 
-/* The dot product of a and b. */
+/* Returns the dot product of a[n] and b[n]. */
 static float product(const float *a, const float *b, uint32_t n)
 {
     float sum = 0.0f;
@@ -49,7 +49,7 @@ static float product(const float *a, const float *b, uint32_t n)
     return sum;
 }
 
-/* ref[n], here[n]: reference and image values relative to their means, in units of the reference's range. */
+/* Writes reference and image values to ref[n] and here[n], relative to their means, in ranges of the reference. */
 static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
 {
     for (uint32_t k = 0; k < reference->n; k++) {
@@ -86,8 +86,7 @@ smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at)
     centred(ref, at->found, missing, here);
     for (uint32_t k = 0; k < n; k++)
         missing[k] = at->gain * missing[k] - here[k];
-    /* The damping suppresses shifts along slopes that noise alone could cause, and along a direction without
-     * change. */
+    /* The damping suppresses displacements along directions whose slopes are 0 or that noise alone could cause. */
     const float noise = at->noise / (ref->range * at->reach_mm), p2 = product(p, p, n), q2 = product(q, q, n);
     const float damp = (float)n * noise * noise + SMR_ROUNDING * (p2 + q2);
     const float pp = p2 + damp, qq = q2 + damp, pq = product(p, q, n);

@@ -6,23 +6,23 @@
 #include "image/intensity_profile.h"
 #include "image/volume.h"
 
-/* A reference profile and its position in the image. */
+/* A reference profile, and the line of image samples that it is compared with. */
 typedef struct smr_place {
     const smr_profile *reference;
-    smr_vec start, spacing; /* mm: the first sample's position, and the vector from one sample to the next */
-    smr_vec normal;         /* unit, along spacing */
+    smr_vec start, spacing; /* the first sample's position, and the vector from one sample to the next, mm */
+    smr_vec normal;         /* unit vector along spacing */
     const float *found;     /* [reference->n] intensities of the image at the samples */
     float gain;             /* contrast of the image relative to the reference's (smr_contrast) */
     float noise;            /* noise level, intensity; lower contrast is ignored */
-    float reach_mm;         /* > 0: distance of the sampled lines to the sides, and the longest shift, mm */
+    float reach_mm;         /* > 0: distance, mm, of the four lines beside this line, and longest shift */
 } smr_place;
 
-/* Contrast of the image relative to the reference: the ratio of their standard deviations, 0 .. 4, never NaN.
- * found: [reference->n] intensities. */
+/* Returns the contrast of the image relative to the reference: the ratio of the standard deviations of found
+ * [reference->n] and of the reference, 0 .. 4, never NaN. */
 float smr_contrast(const smr_profile *reference, const float *found);
 
-/* The shift perpendicular to the normal, mm, at most reach_mm, after which the image agrees best with the reference.
- * Zero where the image does not change along the surface, or where samples lie outside the image. */
+/* Returns the displacement perpendicular to the normal, mm, at most reach_mm, after which the image agrees best with
+ * the reference. 0 where the image does not change along the surface, or where samples lie outside the image. */
 smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at);
 
 #endif

@@ -1,8 +1,7 @@
 /* volume.c: trilinear interpolation along lines (paper 2.1) in volumes of five voxel types, any spacing and direction.
- * Voxels are read only when all eight around a sample lie inside the volume. An axis of one voxel is a slab as thick
- * as its spacing.
- * Method: index coordinates first + k move are monotonic in k, even when rounded. The samples inside are therefore one
- * run, found by its two ends. They go in batches through loops that compilers vectorise.
+ * A sample is inside when all eight voxels around it are. An axis of one voxel is a slab as thick as its spacing.
+ * Method: index coordinates first + k move are monotonic in k, even when rounded, so the samples inside are one run,
+ * found by its two ends. The run is processed in batches by loops that compilers vectorise.
  * SPDX-License-Identifier: MIT */
 #include "image/volume.h"
 
@@ -11,7 +10,7 @@
 #define SMR_NOT_UNIT 0.01f /* tolerance of a direction's squared length */
 #define SMR_HUGE 1.0e30f   /* larger interpolated values count as outside */
 
-/* out = the inverse of m. Returns 0 when m is nearly singular. */
+/* Writes the inverse of m. Returns 0 when m is nearly singular. */
 static int invert3(const float m[9], float out[9])
 {
     const smr_vec a = smr_load(m), b = smr_load(m + 3), c = smr_load(m + 6);
@@ -41,7 +40,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
             return SMR_E_INPUT;
         voxels *= volume->size[a];
         const smr_vec axis = smr_v(volume->direction[a], volume->direction[3u + a], volume->direction[6u + a]);
-        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* perhaps multiplied by the spacing */
+        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* some files multiply the axis by the spacing */
             return SMR_E_INPUT;
     }
     if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
@@ -52,12 +51,20 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
     return SMR_OK;
 }
 
-#define SMR_BATCH 32u /* samples */
+#define SMR_BATCH 32u /* samples in a batch */
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
     float first[3], move[3];
 } line;
+
+static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing)
+{
+    line l;
+    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(grid->volume.origin))));
+    smr_store(l.move, smr_mul(grid->to_index, spacing));
+    return l;
+}
 
 /* The cells of a batch of samples, for each axis and sample. */
 typedef struct cells {
@@ -67,24 +74,23 @@ typedef struct cells {
 
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
-    size_t row, slice;
+    size_t row, slice; /* from one row to the next, and from one slice to the next */
     size_t dx, dy, dz; /* from a lower voxel to the upper one along each axis; 0 for an axis of one voxel */
 } strides;
 
-/* Shrinks the run of samples *from .. *to - 1 to those inside the volume along one axis. */
+/* Returns 1 when index coordinate `at` lies inside an axis of `size` voxels. */
+static int on_axis(float at, uint32_t size)
+{
+    return size == 1u ? at >= -0.5f && at <= 0.5f : at >= 0.0f && at <= (float)(size - 1u);
+}
+
+/* Shrinks the run of samples *from .. *to - 1 to the samples inside the volume along one axis. */
 static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
 {
-    const float low = size == 1u ? -0.5f : 0.0f, high = size == 1u ? 0.5f : (float)(size - 1u);
-    for (; *from < *to; ++*from) {
-        const float at = first + move * (float)*from;
-        if (at >= low && at <= high)
-            break;
-    }
-    for (; *to > *from; --*to) {
-        const float at = first + move * (float)(*to - 1u);
-        if (at >= low && at <= high)
-            break;
-    }
+    while (*from < *to && !on_axis(first + move * (float)*from, size))
+        ++*from;
+    while (*to > *from && !on_axis(first + move * (float)(*to - 1u), size))
+        --*to;
 }
 
 /* Finds the cells of samples k .. k+n-1, all inside the volume. */
@@ -107,14 +113,14 @@ static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t 
     }
 }
 
-/* Memory index of the lowest voxel of sample i's cell. */
+/* Returns the memory index of the lowest voxel of sample i's cell. */
 static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
 {
     return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
 }
 
-/* Defines the function `name`, which interpolates a batch in voxels of `type`. Voxels are gathered as `number`,
- * int32_t where it holds all values, so that the conversion to float is vectorised, too. */
+/* Defines the function `name`, which interpolates a batch in voxels of `type`. Voxels are gathered as `number`, int32_t
+ * for integers, so that the conversion to float is vectorised. */
 #define SMR_TRILINEAR(name, type, number)                                                                              \
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
@@ -148,7 +154,7 @@ SMR_TRILINEAR(sample_uint16, uint16_t, int32_t)
 SMR_TRILINEAR(sample_int16, int16_t, int32_t)
 SMR_TRILINEAR(sample_float, float, float)
 
-/* value[i]: interpolated intensity of sample i of the batch. */
+/* Writes value[i], the interpolated intensity of sample i of the batch. */
 static void sample(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value)
 {
     switch (v->type) {
@@ -160,7 +166,7 @@ static void sample(const smr_volume *v, const cells *c, const strides *d, uint32
     }
 }
 
-/* 1 when the mask is 0 at any of the eight voxels of a cell; mask: at the cell's lowest voxel. */
+/* Returns 1 when the mask is 0 at any of a cell's eight voxels; mask: address of the cell's lowest voxel. */
 static int masked(const uint8_t *mask, const strides *d)
 {
     const uint8_t *m = mask + d->dz;
@@ -168,8 +174,8 @@ static int masked(const uint8_t *mask, const strides *d)
              m[d->dx + d->dy]);
 }
 
-/* Marks samples under the mask, and values that are NaN or too large, as outside: value 0, inside 0. Returns the
- * number of samples that remain inside. */
+/* Sets value and inside to 0 where the mask is 0 or the value is NaN or too large. Returns the number of samples that
+ * remain inside. */
 static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value,
                      unsigned char *inside)
 {
@@ -191,9 +197,7 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     const smr_volume *v = &grid->volume;
     const size_t row = v->size[0], slice = row * v->size[1];
     const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
-    line l;
-    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin))));
-    smr_store(l.move, smr_mul(grid->to_index, spacing));
+    const line l = line_of(grid, start, spacing);
     uint32_t from = 0, to = n, count = 0;
     for (uint32_t axis = 0; axis < 3u; axis++)
         clip(l.first[axis], l.move[axis], v->size[axis], &from, &to);
@@ -209,15 +213,15 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     return count;
 }
 
-#define SMR_AHEAD 2u /* prefetches for every second sample: voxels are mostly larger than the samples' distance */
+#define SMR_AHEAD 2u /* samples from one prefetch to the next: voxels are mostly larger than the samples' distance */
 
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n)
 {
     const smr_volume *v = &grid->volume;
     const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
     const unsigned char *voxels = v->voxels;
-    const smr_vec first = smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin)));
-    const smr_vec move = smr_mul(grid->to_index, spacing);
+    const line l = line_of(grid, start, spacing);
+    const smr_vec first = smr_load(l.first), move = smr_load(l.move);
     const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
     for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
         const smr_vec at = smr_add(first, smr_scale(move, (float)(int32_t)k));

@@ -1,4 +1,4 @@
-/* volume.h: trilinear samples of an image volume along a line; the voxels stay the caller's.
+/* volume.h: trilinear samples of an image volume along a line. The voxels stay in the caller's memory.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_VOLUME_H
 #define SMR_VOLUME_H
@@ -11,12 +11,11 @@ typedef struct smr_grid {
     float to_index[9]; /* index = to_index (world - origin) */
 } smr_grid;
 
-/* Validates everything but the voxels' values and computes the map. Errors: E_NULL, E_INPUT. */
+/* Checks everything but the voxels' values, and computes the map. Errors: E_NULL, E_INPUT. */
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid);
 
-/* Interpolates n samples at start + k * spacing, k = 0 .. n - 1, world mm. inside[k] is 0 where a sample lies outside
- * the volume or the mask, or meets a NaN; value[k] is 0 there. Never reads outside the volume. Returns the number
- * inside. */
+/* Interpolates n samples at start + k * spacing, k = 0 .. n - 1, world mm. inside[k] and value[k] are 0 where a sample
+ * lies outside the volume or the mask, or meets a NaN. Returns the number of samples inside. */
 uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value,
                        unsigned char *inside);
 

@@ -1,5 +1,5 @@
-/* model.h: a model's bytes, and views of them. docs/SPEC.md has the same as a table.
- * All numbers are stored little-endian; floats as their bits. Offsets count bytes from the model's start and are
+/* model.h: the bytes of a model (docs/SPEC.md has the same as a table), and views of them.
+ * All numbers are stored little-endian, floats as their bits. Offsets count bytes from the model's start and are
  * multiples of SMR_ALIGN.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_MODEL_H
@@ -10,86 +10,73 @@
 
 #define SMR_MODEL_MAGIC 0x31524d53u /* "SMR1" */
 #define SMR_MODEL_VERSION 3u
-#define SMR_MODEL_HEAD 16u   /* the checksum covers the bytes from here on */
+#define SMR_MODEL_HEAD 16u   /* bytes before those that the checksum covers */
 #define SMR_MASS_UNITS 16.0f /* masses are whole multiples of 1/16 */
-#define SMR_MASS_MAX 64.0f
+#define SMR_MASS_MAX 64.0f   /* largest mass */
 
 struct smr_model {
-    uint32_t magic;
-    uint32_t version;
-    uint32_t bytes;    /* of the whole model */
-    uint32_t checksum; /* CRC-32 of bytes 16 .. bytes - 1 */
-    uint32_t n_vertices;
-    uint32_t n_triangles;
-    uint32_t n_structures;
-    uint32_t n_radii;
+    uint32_t magic, version;
+    uint32_t bytes, checksum; /* size of the model; CRC-32 of bytes 16 .. bytes - 1 */
+    uint32_t n_vertices, n_triangles, n_structures, n_radii;
     uint32_t index_bytes;       /* 2 or 4: the width of indexes in cluster lists */
     uint32_t order;             /* SMR_ORDER_... */
-    uint32_t centre[3];         /* float, mm: rest positions are relative to it */
-    uint32_t edge_mm;           /* float: mean edge length */
+    uint32_t centre[3];         /* float, mm: origin of rest positions */
+    uint32_t edge_mm;           /* float, mm: mean edge length */
     uint32_t at_structures;     /* smr_stored_structure [n_structures] */
     uint32_t at_position;       /* uint32 [n_vertices]: caller's vertex (all structures in a row) -> stored vertex */
     uint32_t at_original;       /* uint32 [n_vertices]: stored vertex -> caller's vertex */
     uint32_t at_owner;          /* uint16 [n_vertices]: structure of each stored vertex */
-    uint32_t at_rest;           /* float [n_vertices][3] */
-    uint32_t at_mass;           /* float [n_vertices] */
+    uint32_t at_rest;           /* float [n_vertices][3]: rest positions, mm from centre */
+    uint32_t at_mass;           /* float [n_vertices]: masses */
     uint32_t at_triangles;      /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
-    uint32_t at_triangle_index; /* uint32 [n_triangles]: the caller's index of each within its structure */
-    uint32_t profile_samples;   /* 0: no profiles */
-    uint32_t profile_inward;    /* samples before the vertex */
-    uint32_t profile_step;      /* float, mm */
+    uint32_t at_triangle_index; /* uint32 [n_triangles]: the caller's index of each triangle within its structure */
+    uint32_t profile_samples;   /* samples of each profile; 0: no profiles */
+    uint32_t profile_inward;    /* samples of a profile on the inner side of the vertex */
+    uint32_t profile_step;      /* float, mm: distance between samples */
     uint32_t at_profiles;       /* uint8 [n_vertices][profile_samples], see image/intensity_profile.h */
-    uint32_t at_ranges;         /* float [n_vertices][2]: low and range of each profile; range 0: no use */
-    uint32_t n_dihedrals;
-    uint32_t at_dihedrals; /* smr_stored_dihedral [n_dihedrals] */
-    uint32_t at_radii;     /* smr_stored_radius [n_radii] */
-    uint32_t at_along; /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
-    uint32_t n_levels;
-    uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all before it; unused ones are 0 */
-    uint32_t n_sections;                /* further ones, 0..SMR_SECTIONS_MAX */
-    uint32_t at_sections;               /* smr_stored_section [n_sections]; 0 when there are none */
+    uint32_t at_ranges;         /* float [n_vertices][2]: low and range of each profile; range 0: never a goal */
+    uint32_t n_dihedrals, at_dihedrals; /* smr_stored_dihedral [n_dihedrals] */
+    uint32_t at_radii;                  /* smr_stored_radius [n_radii] */
+    uint32_t at_along; /* uint32 [n_vertices]: stored vertex -> position on the curve, ascending in a level */
+    uint32_t n_levels, level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all levels before it; then zeros */
+    uint32_t n_sections, at_sections; /* smr_stored_section [n_sections <= SMR_SECTIONS_MAX]; at 0 without any */
     uint32_t zero[6];
 };
 
-/* A further section that no field above names. A library that does not know its kind skips it, or refuses the model
- * when the section is required. */
+/* A further section. A library that does not know the kind skips an optional section and refuses a required one. */
 typedef struct smr_stored_section {
-    uint32_t kind;  /* SMR_SECTION_...; not 0, each once. None is defined yet */
-    uint32_t flags; /* SMR_SECTION_REQUIRED or 0 */
-    uint32_t at;    /* offset, behind the section before */
-    uint32_t bytes;
+    uint32_t kind;      /* SMR_SECTION_..., not 0, each kind once; no kind is defined yet */
+    uint32_t flags;     /* SMR_SECTION_REQUIRED or 0 */
+    uint32_t at, bytes; /* offset, behind the section before; size */
 } smr_stored_section;
 
 #define SMR_SECTIONS_MAX 64u
-#define SMR_SECTION_REQUIRED 1u /* a library that does not know the kind must refuse the model */
+#define SMR_SECTION_REQUIRED 1u
 
+/* A structure. Vertices and triangles are numbered as the caller does, all structures in a row. */
 typedef struct smr_stored_structure {
     char name[SMR_NAME_BYTES];
-    uint32_t first_vertex; /* in the caller's numbering, all structures in a row */
-    uint32_t n_vertices;
-    uint32_t first_triangle;
-    uint32_t n_triangles;
+    uint32_t first_vertex, n_vertices, first_triangle, n_triangles;
 } smr_stored_structure;
 
-/* Two triangles that share an edge with no third one. Low 24 bits of bend: the second triangle. High 8 bits: code of
- * the cosine between their normals below which the edge counts as folded. */
+/* An edge of exactly two triangles. Low 24 bits of bend: the second triangle. High 8 bits: code of the cosine between
+ * the triangles' normals below which the edge counts as folded. */
 typedef struct smr_stored_dihedral {
-    uint32_t first;
-    uint32_t bend;
+    uint32_t first, bend;
 } smr_stored_dihedral;
 
 #define SMR_DIHEDRAL_MASK 0xffffffu
-#define SMR_DIHEDRAL_OPEN (-0.4f) /* limits above it: the normals' angle at rest is at most a right angle */
+#define SMR_DIHEDRAL_OPEN (-0.4f) /* limits above this belong to edges of at most a right angle at rest */
 #define SMR_DIHEDRAL_UNIT 200.0f  /* cosine = code / 200 - 1 */
 
 static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
 
 typedef struct smr_stored_radius {
-    uint32_t radius; /* float, mm */
-    uint32_t reach;  /* float, mm: largest distance within a cluster from its own vertex */
-    uint32_t separate;
+    uint32_t radius;   /* float, mm */
+    uint32_t reach;    /* float, mm: largest distance from a cluster's own vertex to a vertex of the cluster */
+    uint32_t separate; /* 1: a cluster contains vertices of one structure only */
     uint32_t n_blocks;
-    uint32_t largest;    /* members of the largest cluster; boundary vertices outside the radius count half */
+    uint32_t largest;    /* vertices of the largest cluster; boundary vertices outside the radius count half */
     uint32_t smallest;   /* vertices of the smallest cluster */
     uint32_t mean;       /* float: mean |zeta| */
     uint32_t n_indexes;  /* number of indexes in all lists */
@@ -98,26 +85,25 @@ typedef struct smr_stored_radius {
     uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
     uint32_t at_indexes; /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
     uint32_t active_min; /* fewest active vertices, in stored order, that keep each cluster large enough */
-    uint32_t n_boundary;
-    uint32_t at_boundary; /* smr_stored_boundary [n_boundary] */
+    uint32_t n_boundary, at_boundary; /* smr_stored_boundary [n_boundary] */
 } smr_stored_radius;
 
-/* Two vertices whose distance is the radius within a micrometre. Each has fractional weight in the other's cluster.
- * The lists contain them with weight 1 or 0; share / SMR_BOUNDARY_UNITS - 1/2 is added. */
+/* Two vertices whose distance is the radius within a micrometre. Each has fractional weight in the other's cluster: the
+ * weight 1 or 0 of the lists plus share / SMR_BOUNDARY_UNITS - 1/2. */
 typedef struct smr_stored_boundary {
-    uint32_t first, second; /* stored numbers */
-    uint32_t share;         /* weight, 0 .. SMR_BOUNDARY_UNITS */
+    uint32_t first, second; /* stored vertices */
+    uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
 } smr_stored_boundary;
 
 #define SMR_BOUNDARY_UNITS 256
 
-/* A block: entries first .. next block's first - 1. Its vertices form one range along the curve. */
+/* A block: its first entry and first index. The vertices of a block form one range along the curve. */
 typedef struct smr_stored_block {
-    uint32_t first;
-    uint32_t first_index;
+    uint32_t first, first_index;
 } smr_stored_block;
 
-/* parent: an earlier entry of the same block, counted from the block's first; the entry itself for a root. */
+/* An entry of L: a stored vertex; its parent, an earlier entry of the same block, counted from the block's first, or
+ * the entry itself for a root; and the lengths of zeta+ and zeta-. */
 typedef struct smr_entry16 {
     uint16_t vertex, parent, n_plus, n_minus;
 } smr_entry16;
@@ -126,17 +112,12 @@ typedef struct smr_entry32 {
     uint32_t vertex, parent, n_plus, n_minus;
 } smr_entry32;
 
-/* One radius' lists, decoded. */
+/* The lists of one radius; numbers are those of smr_stored_radius in host byte order, arrays are as stored. */
 typedef struct smr_lists {
     const smr_stored_block *block;
-    const void *entry;
-    const void *count;
-    const void *index;
+    const void *entry, *count, *index;
     const smr_stored_boundary *boundary;
-    uint32_t n_boundary;
-    uint32_t index_bytes;
-    uint32_t n_blocks;
-    uint32_t largest, smallest, active_min;
+    uint32_t n_boundary, index_bytes, n_blocks, largest, smallest, active_min;
     float radius, reach;
 } smr_lists;
 
@@ -148,31 +129,29 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
 int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters contain vertices of one structure only */
 
-/* Number i of a list of indexes that are `width` bytes wide, 2 or 4. */
+/* Returns number i of a stored list of numbers that are `width` bytes wide, 2 or 4. */
 static inline uint32_t smr_index_at(const void *list, uint32_t width, size_t i)
 {
     return width == 2u ? smr_le16(((const uint16_t *)list)[i]) : smr_le32(((const uint32_t *)list)[i]);
 }
 
-/* |zeta| of a stored vertex. */
+/* Returns |zeta| of a stored vertex. */
 static inline uint32_t smr_list_count(const smr_lists *l, uint32_t v)
 {
     return smr_index_at(l->count, l->index_bytes, v);
 }
 
-/* The structure of a stored vertex. */
+/* Return the structure of a stored vertex, and its position along the curve. */
 static inline uint32_t smr_model_owner(const smr_model *m, uint32_t v)
 {
     return smr_index_at(smr_at(m, m->at_owner), 2, v);
 }
-
-/* A stored vertex' position along the curve. */
 static inline uint32_t smr_model_along(const smr_model *m, uint32_t v)
 {
     return smr_index_at(smr_at(m, m->at_along), 4, v);
 }
 
-/* The stored vertex of a caller's vertex, and the caller's vertex of a stored vertex. */
+/* Return the stored vertex of a caller's vertex, and the caller's vertex of a stored vertex. */
 static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
 {
     return smr_index_at(smr_at(m, m->at_position), 4, callers);
@@ -192,7 +171,7 @@ static inline const smr_stored_radius *smr_model_radius(const smr_model *m, uint
     return (const smr_stored_radius *)smr_at(m, m->at_radii) + radius;
 }
 
-/* The origin of rest positions, mm. */
+/* Returns the origin of rest positions, mm. */
 static inline smr_vec smr_model_centre(const smr_model *m)
 {
     return smr_v(smr_le_float(m->centre[0]), smr_le_float(m->centre[1]), smr_le_float(m->centre[2]));

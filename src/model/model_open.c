@@ -1,11 +1,10 @@
-/* model_open.c: smr_model_open() and its checks. Afterwards every count, offset and index of the model can be used
- * without a check.
+/* model_open.c: smr_model_open() and its checks, after which every count, offset and index of a model is safe to use.
  * Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 #include "model/model.h"
 
-#define SMR_RANGE_MAX 2.0e30f /* largest value of a profile: voxel values are at most half of it in size */
+#define SMR_RANGE_MAX 2.0e30f /* largest low or range of a profile: twice the largest absolute voxel value */
 #define SMR_WINDOW 4096u      /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
@@ -34,22 +33,22 @@ static int check_structures(const smr_model *m)
 
 static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
 {
+    int legal = 1;
     for (size_t i = 0; i < n; i++)
-        if (!(smr_le_float(stored[i]) >= lo && smr_le_float(stored[i]) <= hi))
-            return 0;
-    return 1;
+        legal &= smr_le_float(stored[i]) >= lo && smr_le_float(stored[i]) <= hi;
+    return legal;
 }
 
-/* Checks indexes that are `width` bytes wide. */
+/* Returns 1 when n indexes that are `width` bytes wide are below `limit`. */
 static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
 {
+    int legal = 1;
     for (size_t i = 0; i < n; i++)
-        if (smr_index_at(list, width, i) >= limit)
-            return 0;
-    return 1;
+        legal &= smr_index_at(list, width, i) < limit;
+    return legal;
 }
 
-/* Checks that position and original are inverse to each other, and that owner follows from them. */
+/* Checks that position and original are inverse to each other, and that owner agrees with the structures. */
 static int check_numbering(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices);
@@ -65,8 +64,8 @@ static int check_numbering(const smr_model *m)
     return 1;
 }
 
-/* Checks that levels are ranges of the stored vertices. Positions along the curve ascend in each level; merged they
- * are 0 .. n - 1, each once. */
+/* Checks that levels are ranges of the stored vertices, and that positions along the curve ascend in each level and are
+ * 0 .. n - 1 in all levels together, each once. */
 static int check_levels(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
@@ -95,10 +94,10 @@ static int check_levels(const smr_model *m)
 static int rest_within(const smr_model *m)
 {
     const uint32_t *rest = smr_at(m, m->at_rest);
+    int legal = 1;
     for (size_t i = 0; i < 3u * (size_t)smr_le32(m->n_vertices); i++)
-        if (!smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f))
-            return 0;
-    return 1;
+        legal &= smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f);
+    return legal;
 }
 
 static int check_vertices(const smr_model *m)
@@ -120,10 +119,10 @@ static int check_dihedrals(const smr_model *m)
     if (!section(m, m->at_dihedrals, n, sizeof(smr_stored_dihedral)))
         return 0;
     const smr_stored_dihedral *h = smr_at(m, m->at_dihedrals);
+    int legal = 1;
     for (uint32_t i = 0; i < n; i++)
-        if (smr_le32(h[i].first) >= nt || (smr_le32(h[i].bend) & SMR_DIHEDRAL_MASK) >= nt)
-            return 0;
-    return 1;
+        legal &= smr_le32(h[i].first) < nt && (smr_le32(h[i].bend) & SMR_DIHEDRAL_MASK) < nt;
+    return legal;
 }
 
 static int check_profiles(const smr_model *m)
@@ -137,7 +136,7 @@ static int check_profiles(const smr_model *m)
            floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -SMR_RANGE_MAX, SMR_RANGE_MAX);
 }
 
-/* Checks that triangles' corners and the caller's numbers belong to their structure. */
+/* Checks that the corners and the caller's index of each triangle belong to the triangle's structure. */
 static int check_triangle_indexes(const smr_model *m)
 {
     const uint32_t *triangle_index = smr_at(m, m->at_triangle_index), *corner = smr_at(m, m->at_triangles);
@@ -161,7 +160,7 @@ static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
                          smr_index_at(l->entry, width, at + 2u), smr_index_at(l->entry, width, at + 3u)};
 }
 
-/* Checks that each vertex of the block first..last-1 along the curve has exactly one entry. */
+/* Checks that each vertex of a block, first .. last-1 along the curve, has exactly one entry. */
 static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
 {
     for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
@@ -192,8 +191,7 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* Checks that a radius' sections follow each other, behind those of the radius before. Otherwise lists could share
- * bytes, and a small file could take long to check. */
+/* Checks that the sections of a radius follow each other, behind those of the radius before, and share no bytes. */
 static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -214,11 +212,11 @@ static int check_boundary(const smr_model *m, const smr_stored_radius *r)
 {
     const uint32_t n = smr_le32(m->n_vertices);
     const smr_stored_boundary *pair = smr_at(m, r->at_boundary);
+    int legal = 1;
     for (uint32_t i = 0; i < smr_le32(r->n_boundary); i++)
-        if (smr_le32(pair[i].first) >= n || smr_le32(pair[i].second) >= n ||
-            smr_le32(pair[i].share) > SMR_BOUNDARY_UNITS)
-            return 0;
-    return 1;
+        legal &= smr_le32(pair[i].first) < n && smr_le32(pair[i].second) < n &&
+                 smr_le32(pair[i].share) <= SMR_BOUNDARY_UNITS;
+    return legal;
 }
 
 static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t index)
@@ -236,15 +234,12 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
         smr_le32(r->active_min) > n)
         return 0;
     const smr_lists l = smr_model_lists(m, index);
-    for (uint32_t v = 0; v < n; v++) {
-        uint32_t count = smr_list_count(&l, v);
-        if (count == 0u || count > smr_le32(r->largest))
+    for (uint32_t v = 0; v < n; v++)
+        if (smr_list_count(&l, v) == 0u || smr_list_count(&l, v) > smr_le32(r->largest))
             return 0;
-    }
-    if (!all_below(l.index, width, n_indexes, n))
-        return 0;
-    if (smr_le32(l.block[0].first) != 0u || smr_le32(l.block[0].first_index) != 0u ||
-        smr_le32(l.block[n_blocks].first) != n || smr_le32(l.block[n_blocks].first_index) != n_indexes)
+    if (!all_below(l.index, width, n_indexes, n) || smr_le32(l.block[0].first) != 0u ||
+        smr_le32(l.block[0].first_index) != 0u || smr_le32(l.block[n_blocks].first) != n ||
+        smr_le32(l.block[n_blocks].first_index) != n_indexes)
         return 0;
     for (uint32_t b = 0; b < n_blocks; b++) {
         uint32_t first = smr_le32(l.block[b].first), last = smr_le32(l.block[b + 1u].first);
@@ -255,16 +250,8 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-static int repeated(const smr_stored_section *s, uint32_t i)
-{
-    for (uint32_t k = 0; k < i; k++)
-        if (s[k].kind == s[i].kind)
-            return 1;
-    return 0;
-}
-
-/* Checks that further sections follow each other. No kind is known yet: optional ones are skipped, required ones
- * refused. The check of a new kind goes here. */
+/* Checks that further sections follow each other. No kind is known yet: optional sections are skipped, required ones
+ * are refused. The check of a new kind goes here. */
 static int check_sections(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_sections);
@@ -278,9 +265,12 @@ static int check_sections(const smr_model *m)
         return 0;
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind == 0u || s[i].flags != 0u || repeated(s, i) || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
+        if (s[i].kind == 0u || s[i].flags != 0u || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
             smr_le32(s[i].at) < end)
             return 0;
+        for (uint32_t k = 0; k < i; k++)
+            if (s[k].kind == s[i].kind)
+                return 0;
         end = (uint64_t)smr_le32(s[i].at) + smr_le32(s[i].bytes);
     }
     return 1;

@@ -29,8 +29,7 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
     info->n_triangles = smr_le32(model->n_triangles);
     info->n_structures = smr_le32(model->n_structures);
     info->n_radii = smr_le32(model->n_radii);
-    for (uint32_t i = 0; i < 3u; i++)
-        info->centre[i] = smr_le_float(model->centre[i]);
+    smr_store(info->centre, smr_model_centre(model));
     info->edge_mm = smr_le_float(model->edge_mm);
     info->order = smr_le32(model->order);
     info->profile_samples = smr_le32(model->profile_samples);
@@ -54,10 +53,7 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
     return SMR_OK;
 }
 
-int smr_model_separate(const smr_model *m, uint32_t radius)
-{
-    return smr_le32(smr_model_radius(m, radius)->separate) != 0u;
-}
+int smr_model_separate(const smr_model *m, uint32_t radius) { return smr_model_radius(m, radius)->separate != 0u; }
 
 smr_status smr_model_structure(const smr_model *model, uint32_t structure, smr_structure_info *info)
 {
@@ -80,15 +76,14 @@ smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz
         return SMR_E_INPUT;
     const smr_stored_structure *r = smr_model_record(model, structure);
     const uint32_t first_vertex = smr_le32(r->first_vertex), first_triangle = smr_le32(r->first_triangle);
-    const uint32_t *rest = smr_at(model, model->at_rest);
-    const uint32_t *corner = smr_at(model, model->at_triangles),
-                   *triangle_index = smr_at(model, model->at_triangle_index);
+    const uint32_t *rest = smr_at(model, model->at_rest), *corner = smr_at(model, model->at_triangles);
+    const uint32_t *triangle_index = smr_at(model, model->at_triangle_index);
     for (uint32_t i = 0; xyz != NULL && i < smr_le32(r->n_vertices); i++) {
         uint32_t v = smr_model_position(model, first_vertex + i);
         for (uint32_t c = 0; c < 3u; c++)
             xyz[3u * (size_t)i + c] = smr_le_float(rest[3u * (size_t)v + c]) + smr_le_float(model->centre[c]);
     }
-    if (triangles != NULL) /* indexes are in range, but not checked to occur once */
+    if (triangles != NULL) /* triangle_index is in range, but an index may be missing */
         memset(triangles, 0, 3u * (size_t)smr_le32(r->n_triangles) * sizeof *triangles);
     for (uint32_t i = 0; triangles != NULL && i < smr_le32(r->n_triangles); i++) {
         uint32_t *to = triangles + 3u * (size_t)smr_le32(triangle_index[first_triangle + i]);

@@ -1,11 +1,10 @@
 /* cluster_boundary_prepare.c: vertices near the cluster boundary get fractional weight.
- * For two vertices about a radius apart, rounding would decide whether they are in each other's cluster. Over a narrow
- * range of distances around the radius their share in it therefore falls linearly from 1 to 0. The lists zeta+ and
- * zeta- follow d <= r; the boundary pairs written here hold the difference between the share and that.
- * Geodesic distances are whole micrometres and have no boundary.
+ * Rounding would decide whether two vertices about a radius apart are in each other's cluster. Over a narrow range of
+ * distances around the radius the weight therefore falls linearly from 1 to 0. The lists zeta+ and zeta- follow d <= r;
+ * a boundary pair holds the weight less 1 or 0. Geodesic distances are whole micrometres and have no boundary.
  * Bounds: for each vertex one visit to the boxes of the tree that the boundary crosses.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
 #define SMR_BOUNDARY_MM 7.0e-4f /* half the boundary's width: about thirty times the rounding of coordinates */
 #define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */
@@ -19,7 +18,7 @@ static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
     return 0;
 }
 
-/* Writes the pair a, b if its share differs from the lists, and counts vertices that the lists do not hold. half: half
+/* Writes the pair a, b if its weight differs from the lists, and counts pairs that the lists do not hold. half: half
  * the boundary's width, mm. */
 static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
 {
@@ -39,7 +38,7 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     p->n_outside[b] += !inside;
 }
 
-/* The child boxes with points at squared distances near2 .. far2 from p, a bit each. */
+/* Returns the set of child boxes with points at squared distances near2 .. far2 from p, a bit each. */
 static uint32_t crossing(const smr_node *node, smr_vec p, float near2, float far2)
 {
     uint32_t crossed = 0;
@@ -51,13 +50,13 @@ static uint32_t crossing(const smr_node *node, smr_vec p, float near2, float far
     return crossed;
 }
 
-/* The same for a leaf, whose boxes are single vertices. Not inlined, as in the cluster building. */
+/* Returns the same set for a leaf, whose boxes are single vertices. Not inlined, as leaf_members() is not. */
 __attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, smr_vec p, float near2, float far2)
 {
     uint32_t crossed = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z,
-                    d2 = x * x + y * y + z * z;
+        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z;
+        const float d2 = x * x + y * y + z * z;
         crossed |= ((d2 <= far2) & (d2 >= near2)) != 0 ? smr_child_bit[k] : 0u;
     }
     return crossed;
@@ -80,7 +79,7 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
             const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
             if ((uint64_t)(child + 1u) << (3u * node.level) <= (uint64_t)v + 1u ||
                 (uint64_t)child << (3u * node.level) >= p->n)
-                continue; /* vertices up to v, or behind the last one */
+                continue; /* the child holds only vertices up to v, or behind the last one */
             if (node.level > 0u)
                 stack[top++] = (smr_visit){0.0f, node.level - 1u, child};
             else
@@ -96,10 +95,10 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
     memset(p->n_outside, 0, p->n * sizeof *p->n_outside);
     for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
         if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
-            break; /* too large for a model: smr_prepare reports it */
+            break; /* smr_prepare() reports a model that is too large */
         find_pairs(p, l, v, radius, half);
     }
     l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
-    for (uint32_t v = 0; v < p->n; v++) /* vertices outside d <= r have a share of 1/2 at most */
+    for (uint32_t v = 0; v < p->n; v++) /* vertices outside d <= r have a weight of 1/2 at most */
         l->largest = smr_max_u32(l->largest, p->count[v] + (p->n_outside[v] + 1u) / 2u);
 }

@@ -1,13 +1,15 @@
-/* cluster_building.c: the clusters zeta_i = {j : d(x_i, x_j) <= s} (paper 2.2, clustering) as rows of bits.
+/* cluster_building.c: the clusters zeta_i = {j : d(x_i, x_j) <= s} (paper 2.2, clustering) as rows of bits, and the
+ * vertices nearest to a vertex.
  * Method: search in a box tree whose leaves are single vertices in the order of the curve, so that a node within the
- * ball is one run of bits. Membership is the one comparison d^2 <= s^2, the same from either end: clusters are
- * symmetric.
- * Bounds: every node of the tree at most once.
+ * ball is one run of bits. Membership is the comparison d^2 <= s^2, the same from either end: clusters are symmetric.
+ * Geodesic distances are shortest paths over mesh edges (Dijkstra 1959) in whole micrometres, the same in both
+ * directions; on regular meshes paths are up to a sixth longer than the true geodesic.
+ * Bounds: every node of the tree at most once; SMR_NEAREST insertions a vertex; one heap entry a directed edge.
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-#define SMR_INSIDE 0.99999f  /* times r^2: boxes within it hold only members of the cluster, whatever the rounding */
-#define SMR_OUTSIDE 1.00001f /* times r^2: boxes beyond it hold no member of the cluster */
+#define SMR_INSIDE 0.99999f  /* boxes nearer than this times r^2 hold only members of the cluster, despite rounding */
+#define SMR_OUTSIDE 1.00001f /* boxes beyond this times r^2 hold no member of the cluster, despite rounding */
 
 /* Adds the vertices first .. last-1 to the row. */
 static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
@@ -23,8 +25,7 @@ static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last
     }
 }
 
-/* The child boxes inside the ball around p, a bit each; *reaching: those that are partly inside. Empty boxes are
- * SMR_FAR away. */
+/* Returns the set of child boxes inside the ball around p, a bit each; *reaching: the set of boxes partly inside. */
 static uint32_t box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
 {
     uint32_t near = 0, inner = 0;
@@ -38,8 +39,8 @@ static uint32_t box_kinds(const smr_node *node, smr_vec p, float inside2, float 
     return inner;
 }
 
-/* The leaf's vertices with squared distance <= r2 from p, a bit each. Not inlined: GCC would unroll the loop there
- * instead of vectorising it. */
+/* Returns the leaf's vertices with squared distance <= r2 from p, a bit each. Not inlined: GCC would unroll an inlined
+ * loop instead of vectorising it. */
 __attribute__((noinline)) static uint32_t leaf_members(const smr_node *leaf, smr_vec p, float r2)
 {
     uint32_t members = 0;
@@ -87,6 +88,65 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
     }
 }
 
+/* A binary heap of [n] items, smallest item first. An item is a distance in micrometres << 32 | a vertex. */
+typedef struct heap {
+    uint64_t *item;
+    uint32_t n;
+} heap;
+
+static void push(heap *h, uint32_t distance, uint32_t vertex)
+{
+    const uint64_t item = (uint64_t)distance << 32 | vertex;
+    uint32_t i = h->n++;
+    for (; i > 0u && h->item[(i - 1u) / 2u] > item; i = (i - 1u) / 2u)
+        h->item[i] = h->item[(i - 1u) / 2u];
+    h->item[i] = item;
+}
+
+static uint64_t pop(heap *h)
+{
+    const uint64_t first = h->item[0], last = h->item[--h->n];
+    uint32_t i = 0;
+    for (uint32_t child = 1; child < h->n; child = 2u * i + 1u) {
+        child += child + 1u < h->n && h->item[child + 1u] < h->item[child];
+        if (h->item[child] >= last)
+            break;
+        h->item[i] = h->item[child];
+        i = child;
+    }
+    h->item[i] = last;
+    return first;
+}
+
+static void geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
+{
+    const uint32_t limit = (uint32_t)smr_min(radius * 1000.0f, 4.0e9f);
+    heap h = {p->geo_heap, 0};
+    smr_row_clear(row, p->words);
+    p->geo_distance[v] = 0;
+    smr_row_set(row, p->words, v);
+    push(&h, 0, v);
+    while (h.n > 0u) {
+        const uint64_t item = pop(&h);
+        const uint32_t distance = (uint32_t)(item >> 32), from = (uint32_t)item;
+        if (distance > p->geo_distance[from])
+            continue; /* a shorter path was found after this item was pushed */
+        for (uint32_t i = p->neighbour_start[from]; i < p->neighbour_start[from + 1u]; i++) {
+            const uint32_t to = p->neighbour[i];
+            const float mm = smr_length(smr_sub(smr_get3(p->xyz, from), smr_get3(p->xyz, to)));
+            const uint32_t edge = (uint32_t)(mm * 1000.0f + 0.5f);
+            if (edge > limit - distance || distance + edge >= p->geo_distance[to])
+                continue;
+            p->geo_distance[to] = distance + edge;
+            smr_row_set(row, p->words, to);
+            push(&h, distance + edge, to);
+        }
+    }
+    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++)
+        for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u)
+            p->geo_distance[w * 64u + (uint32_t)__builtin_ctzll(rest)] = UINT32_MAX;
+}
+
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
 {
     for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
@@ -101,11 +161,100 @@ void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
     if (p->config->distance == SMR_DISTANCE_GEODESIC)
-        smr_geodesic_row(p, v, radius, row);
+        geodesic_row(p, v, radius, row);
     else
         smr_ball_row(p, v, radius, row);
     if (p->separate)
         smr_row_keep_structure(p, v, row);
     for (uint32_t i = p->neighbour_start[v]; smr_holds_neighbours(p, radius) && i < p->neighbour_start[v + 1u]; i++)
         smr_row_set(row, p->words, p->neighbour[i]);
+}
+
+#define SMR_TOGETHER 31u /* words whose counts a byte can sum: 8 bits a word, 255 at most */
+
+/* Counts the bits of each byte of x, without a branch. */
+static uint64_t bits_per_byte(uint64_t x)
+{
+    x = x - (x >> 1 & 0x5555555555555555u);
+    x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
+    return (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+}
+
+uint32_t smr_row_count(const uint64_t *row, uint32_t words)
+{
+    uint32_t count = 0;
+    for (uint32_t w = smr_row_first(row, words); w < smr_row_last(row, words); w++)
+        count += (uint32_t)((bits_per_byte(row[w]) * 0x0101010101010101u) >> 56);
+    return count;
+}
+
+uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t words)
+{
+    const uint32_t last = smr_max_u32(smr_row_last(a, words), smr_row_last(b, words));
+    uint32_t count = 0;
+    for (uint32_t w = smr_min_u32(smr_row_first(a, words), smr_row_first(b, words)), end; w < last; w = end) {
+        uint64_t bytes = 0;
+        end = smr_min_u32(w + SMR_TOGETHER, last);
+        for (size_t i = w; i < end; i++)
+            bytes += bits_per_byte(a[i] ^ b[i]);
+        bytes = (bytes & 0x00ff00ff00ff00ffu) + (bytes >> 8 & 0x00ff00ff00ff00ffu);
+        count += (uint32_t)((bytes * 0x0001000100010001u) >> 48);
+    }
+    return count;
+}
+
+/* The nearest vertices so far, nearest first: [n] of at most k. */
+typedef struct candidates {
+    float d2[SMR_NEAREST]; /* squared distances, mm^2 */
+    uint32_t *found;       /* [k] vertices */
+    uint32_t n, k;
+} candidates;
+
+/* Returns 1 when the list is full and d2 is not below the list's last distance. */
+static int too_far(const candidates *c, float d2) { return c->n == c->k && d2 >= c->d2[c->k - 1u]; }
+
+/* Inserts a vertex by distance; the farthest vertex drops out of a full list. */
+static void insert(candidates *c, uint32_t vertex, float d2)
+{
+    uint32_t i = c->n < c->k ? c->n++ : c->k - 1u;
+    for (; i > 0u && c->d2[i - 1u] > d2; i--) {
+        c->d2[i] = c->d2[i - 1u];
+        c->found[i] = c->found[i - 1u];
+    }
+    c->d2[i] = d2;
+    c->found[i] = vertex;
+}
+
+uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
+                     float *distance2)
+{
+    const smr_vec centre = smr_get3(p->xyz, v);
+    candidates best = {.found = found, .k = k};
+    float d2[SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    uint32_t top = 0;
+    stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
+    while (top > 0u) {
+        const smr_visit at = stack[--top];
+        if (too_far(&best, at.d2))
+            continue;
+        const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
+        (void)smr_box_distances(node, centre, FLT_MAX, d2);
+        for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
+            /* the child that holds v is pushed last and opened first: small distances are found early */
+            const uint32_t child =
+                at.index * SMR_TREE_WIDTH + (at.level > 0u ? (c + 1u + (v >> (3u * at.level))) % SMR_TREE_WIDTH : c);
+            const float child2 = d2[child % SMR_TREE_WIDTH];
+            const uint64_t from = (uint64_t)child << (3u * at.level), to = (uint64_t)(child + 1u) << (3u * at.level);
+            if (from >= last || to <= first || from >= p->n || too_far(&best, child2))
+                continue;
+            if (at.level > 0u)
+                stack[top++] = (smr_visit){child2, at.level - 1u, child};
+            else if (child != v && !smr_kept_apart(p, child, v))
+                insert(&best, child, child2);
+        }
+    }
+    if (distance2 != NULL)
+        memcpy(distance2, best.d2, best.n * sizeof best.d2[0]);
+    return best.n;
 }

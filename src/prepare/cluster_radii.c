@@ -1,9 +1,9 @@
 /* cluster_radii.c: chooses the cluster sizes s (radii) when the configuration names none, from coarse to fine (paper
  * 3, geometric registration).
- * Surface targets: from a quarter of the model's length down to little more than an edge, each about two thirds of the
- * one before, and a last one far below an edge, where clusters are single vertices.
- * Images: fixed radii of human size. A single structure also gets a first cluster over its whole length and one over a
- * third, because no neighbouring structure guides it from the error of its start pose.
+ * Surface targets: from a quarter of the model's length down to little more than an edge, each radius about two thirds
+ * of the one before, and a last radius far below an edge, where clusters are single vertices.
+ * Images: fixed radii of human size. A single structure, which no neighbouring structure guides from the error of the
+ * start pose, also gets clusters over its whole length and over a third.
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
@@ -14,8 +14,8 @@
 #define SMR_MEMBERS_MAX 1500u /* largest mean |zeta|: more makes iterations slow without deforming better */
 #define SMR_PROBES 64u        /* clusters over which the mean is taken */
 
-/* Mean |zeta| at this radius over SMR_PROBES vertices, evenly spread over the caller's numbering, so that they do not
- * depend on the model's pose. */
+/* Returns the mean |zeta| at this radius over SMR_PROBES vertices, evenly spread over the caller's numbering, so that
+ * the mean does not depend on the model's pose. */
 static uint32_t mean_members(smr_plan *p, float radius)
 {
     uint64_t sum = 0;
@@ -27,7 +27,7 @@ static uint32_t mean_members(smr_plan *p, float radius)
     return (uint32_t)(sum / probes);
 }
 
-/* The model's length, mm: that of a thin rod with the same variance of points, whatever the model's pose. */
+/* Returns the model's length, mm: the length of a thin rod with the same variance of points, in any pose. */
 static float rod_length(const smr_plan *p)
 {
     smr_vec mean = smr_v(0, 0, 0);
@@ -42,18 +42,12 @@ static float rod_length(const smr_plan *p)
     return SMR_SQRT(12.0f * spread);
 }
 
-/* The radius rounded to eight binary digits, so that rounding errors of a measured length do not change clusters. */
-static float rounded(float radius)
-{
-    uint32_t bits = smr_float_bits(radius) + 0x8000u;
-    bits &= 0xffff0000u;
-    memcpy(&radius, &bits, sizeof radius);
-    return radius;
-}
+/* Returns the radius rounded to eight binary digits, so that rounding of a measured length does not change clusters. */
+static float rounded(float radius) { return smr_float_of((smr_float_bits(radius) + 0x8000u) & 0xffff0000u); }
 
 static uint32_t image_radii(const smr_plan *p, float radius[SMR_RADII_MAX])
 {
-    static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* mm: radii that follow those of the whole */
+    static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* mm: radii after those of the whole structure */
     const float size = rounded(rod_length(p));
     uint32_t n = 0;
     for (uint32_t k = 0; p->n_structures == 1u && k < 2u; k++) {
@@ -83,10 +77,8 @@ uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
     for (float r = coarse; n < SMR_RADII_MAX - 2u && r > fine * 1.2f; r *= SMR_RATIO)
         radius[n++] = r;
     radius[n++] = smr_min(fine, coarse);
-    if (p->edge_mm > 0.0f) {
-        radius[n] = radius[n - 1u] * (SMR_FREE_EDGES / SMR_FINE_EDGES);
-        n++;
-    }
+    if (p->edge_mm > 0.0f)
+        radius[n++] = smr_min(fine, coarse) * (SMR_FREE_EDGES / SMR_FINE_EDGES);
     for (uint32_t i = 0; i < n; i++)
         radius[i] = rounded(radius[i]);
     return n;

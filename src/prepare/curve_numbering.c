@@ -6,11 +6,6 @@
 #include "geometry/box_tree/box_tree.h"
 #include "prepare/prepare_plan.h"
 
-static const float *callers_vertex(const smr_plan *p, uint32_t structure, uint32_t i)
-{
-    return p->structures[structure].mesh.xyz + 3u * (size_t)i;
-}
-
 static smr_box whole_box(const smr_plan *p)
 {
     smr_box box = smr_box_of(p->structures[0].mesh.xyz, p->structures[0].mesh.n_vertices);
@@ -29,7 +24,7 @@ static void order_vertices(smr_plan *p)
     uint32_t k = 0;
     for (uint32_t s = 0; s < p->n_structures; s++) {
         for (uint32_t i = 0; i < p->structures[s].mesh.n_vertices; i++, k++) {
-            p->key[k] = smr_curve_key(box, smr_load(callers_vertex(p, s, i)));
+            p->key[k] = smr_curve_key(box, smr_get3(p->structures[s].mesh.xyz, i));
             p->original[k] = k;
         }
     }
@@ -39,11 +34,9 @@ static void order_vertices(smr_plan *p)
     k = 0;
     for (uint32_t s = 0; s < p->n_structures; s++) {
         for (uint32_t i = 0; i < p->structures[s].mesh.n_vertices; i++, k++) {
-            const uint32_t v = p->position[k];
-            const float *from = callers_vertex(p, s, i);
-            for (uint32_t c3 = 0; c3 < 3u; c3++)
-                p->xyz[3u * (size_t)v + c3] = from[c3] - p->centre[c3];
-            p->owner[v] = (uint16_t)s;
+            const smr_vec at = smr_get3(p->structures[s].mesh.xyz, i);
+            smr_put3(p->xyz, p->position[k], smr_sub(at, smr_load(p->centre)));
+            p->owner[p->position[k]] = (uint16_t)s;
         }
     }
 }
@@ -64,7 +57,7 @@ static void order_triangles(smr_plan *p)
     }
 }
 
-/* Builds the box tree over vertices: the boxes of leaf k are the vertices 8k .. 8k+7. */
+/* Builds the box tree over vertices. The boxes of leaf k are the vertices 8k .. 8k+7. */
 static void build_point_tree(smr_plan *p)
 {
     for (uint32_t leaf = 0; leaf < smr_tree_leaves(&p->points); leaf++) {

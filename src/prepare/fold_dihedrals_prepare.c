@@ -1,20 +1,18 @@
 /* fold_dihedrals_prepare.c: dihedral edges, the edges of exactly two triangles, with the angle at which each counts as
- * folded. Method: edges are sorted by their two vertices, so that the triangles of an edge are neighbours in the sorted
- * list.
+ * folded. Method: edges sorted by their two vertices, so that the triangles of an edge are neighbours in the list.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/box_tree/triangle.h"
 #include "prepare/prepare_plan.h"
 
-/* Cosines of the angle between the normals of an edge's two triangles. */
-#define SMR_RIGHT 0.02f /* edges below 90 degrees at rest fold at 89 degrees, or at half their rest cosine */
-#define SMR_RIGHT_BACK                                                                                                 \
-    (-0.25f) /* edges of 90 degrees at rest (caps, corners) fold at 104 degrees; above SMR_DIHEDRAL_OPEN */
+/* Cosines of the angle between the normals of an edge's two triangles. SMR_RIGHT_BACK is above SMR_DIHEDRAL_OPEN. */
+#define SMR_RIGHT 0.02f          /* edges below 90 degrees at rest fold at 89 degrees, or at half the rest cosine */
+#define SMR_RIGHT_BACK (-0.25f)  /* edges of 90 degrees at rest (caps, corners) fold at 104 degrees */
 #define SMR_ROUNDING 1.0e-4f     /* tolerance for 90 degrees */
 #define SMR_BACK (-0.48f)        /* edges above 90 degrees at rest fold at 119 degrees or more */
-#define SMR_TURNED_BACK (-0.75f) /* edges beyond this cosine at rest are already folded and left out */
+#define SMR_TURNED_BACK (-0.75f) /* edges with a lower cosine at rest are folded already and are left out */
 
-/* The two vertices of edge i (edge i % 3 of triangle i / 3), the smaller number first. */
+/* Writes the two vertices of edge i % 3 of triangle i / 3, the smaller number first. */
 static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high)
 {
     const uint32_t *t = p->triangle + i / 3u * 3u;
@@ -53,7 +51,7 @@ void smr_plan_dihedrals(smr_plan *p)
         edge_of(p, p->item[i], &low, &high);
         p->key[i] = low;
     }
-    smr_curve_sort(p->key, p->item, p->tmp, n); /* stable: now sorted by low, then by high */
+    smr_curve_sort(p->key, p->item, p->tmp, n); /* the sort is stable: by low, then by high */
     p->n_dihedrals = 0;
     for (uint32_t i = 0, next; i < n; i = next) {
         uint32_t low2 = 0, high2 = 0;

@@ -1,12 +1,11 @@
-/* intensity_profiles_prepare.c: samples the reference image along the normal of each vertex (paper 2.1): its intensity
- * profile.
+/* intensity_profiles_prepare.c: samples the reference image along the normal of each vertex: the profiles (paper 2.1).
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/mesh.h"
 #include "image/intensity_profile.h"
 #include "image/volume.h"
 #include "prepare/prepare_plan.h"
 
-#define SMR_OUTWARD 1.6f /* default reach of a profile outwards, in mean voxel sizes */
+#define SMR_OUTWARD 1.6f /* default length of a profile outside the surface, in mean voxel sizes */
 
 uint32_t smr_profile_inward(const smr_prepare_config *c)
 {
@@ -23,13 +22,10 @@ smr_status smr_plan_profiles(smr_plan *p)
 {
     const smr_prepare_config *c = p->config;
     smr_grid grid;
-    if (p->profile == NULL)
-        return SMR_OK;
-    smr_status status = smr_grid_open(c->reference, &grid);
-    if (status != SMR_OK)
+    const smr_status status = p->profile == NULL ? SMR_OK : smr_grid_open(c->reference, &grid);
+    if (p->profile == NULL || status != SMR_OK)
         return status;
-    const uint32_t n = c->profile_samples;
-    const uint32_t inward = smr_profile_inward(c);
+    const uint32_t n = c->profile_samples, inward = smr_profile_inward(c);
     const smr_mesh mesh = {p->xyz, p->triangle, p->n, p->nt};
     smr_mesh_normals(&mesh, p->normal, NULL);
     for (uint32_t v = 0; v < p->n; v++) {

@@ -1,8 +1,8 @@
-/* model_write.c: writes the model section by section, little-endian (docs/SPEC.md has the table).
+/* model_write.c: writes the sections of a model, little-endian (docs/SPEC.md has the table).
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
-/* Writes the smr_stored_radius at offset `at`, after its lists were written. */
+/* Writes the smr_stored_radius of a radius, whose lists are complete, at offset `at`. */
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,
                          uint32_t active_min)
 {
@@ -26,7 +26,7 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
         smr_put32(w, at + 4u * i, field[i]);
 }
 
-/* Writes the lists of one radius. Blocks are equal shares of the vertices along the curve, to within one vertex. */
+/* Writes the lists of one radius. Blocks are parts of the curve with equally many vertices, to within one vertex. */
 static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t radius_index,
                               uint32_t n_radii)
 {

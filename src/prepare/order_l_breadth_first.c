@@ -1,24 +1,19 @@
 /* order_l_breadth_first.c: the paper's own order L and parents (2.2, cluster optimisation): breadth first over
  * one-ring clusters xi_i = {j : d(x_i, x_j) <= s_min}, s_min = max_i min_j d(x_i, x_j), from the vertex with the
- * largest one-ring.
- * The whole model is one block. Kept for comparison with the forest (order_l_forest.c): both give the same sums, bit
- * for bit.
+ * largest one-ring. The whole model is one block. The forest (order_l_forest.c) gives the same sums, bit for bit.
  * Bounds: n vertices, the word range of their rows each.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
-
 #include "geometry/box_tree/hilbert_curve.h"
+#include "prepare/prepare_plan.h"
 
-/* s_min, mm: the largest distance from a vertex to its nearest vertex, with room for rounding. */
+/* Returns s_min, mm: the largest distance from a vertex to its nearest vertex, with room for rounding. */
 static float one_ring_radius(smr_plan *p)
 {
-    float largest = 0.0f;
-    for (uint32_t v = 0; v < p->n; v++) {
-        uint32_t near;
-        float d2;
+    float largest = 0.0f, d2;
+    uint32_t near;
+    for (uint32_t v = 0; v < p->n; v++)
         if (smr_nearest(p, v, 0, p->n, 1, &near, &d2) == 1u)
             largest = smr_max(largest, d2);
-    }
     return SMR_SQRT(largest) * 1.000001f;
 }
 
@@ -29,7 +24,7 @@ static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
         smr_row_keep_structure(p, v, row);
 }
 
-/* p->item[n]: the vertices by |xi|, largest first, ties by number. */
+/* Sorts the vertices into p->item[n] by |xi|, the largest first, ties by number. */
 static void sort_seeds(smr_plan *p, float s_min, uint64_t *row)
 {
     for (uint32_t v = 0; v < p->n; v++) {
@@ -40,7 +35,7 @@ static void sort_seeds(smr_plan *p, float s_min, uint64_t *row)
     smr_curve_sort(p->key, p->item, p->tmp, p->n);
 }
 
-/* Appends to the queue the members of the one-ring of v that are not in L yet, with v as their parent vertex. */
+/* Appends the vertices of v's one-ring that are not in L yet to the queue, with the parent v. Returns the new tail. */
 static uint32_t append_ring(smr_plan *p, uint32_t v, const uint64_t *ring, uint32_t *parent, uint32_t tail)
 {
     for (uint32_t w = smr_row_first(ring, p->words); w < smr_row_last(ring, p->words); w++) {
@@ -62,7 +57,7 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
     const float s_min = one_ring_radius(p);
     const uint32_t none = UINT32_MAX;
     uint32_t head = 0, tail = 0, seed = 0;
-    uint32_t *parent = p->count; /* the memory holds a vertex' parent until its entry is written, then its |zeta| */
+    uint32_t *parent = p->count; /* an element holds a vertex' parent until the entry is written, then |zeta| */
     sort_seeds(p, s_min, ring);
     for (uint32_t v = 0; v < p->n; v++)
         p->entry[v] = none;

@@ -1,22 +1,18 @@
 /* order_l_forest.c: the order L and the parents of clusters (paper 2.2, cluster optimisation) as a minimum spanning
- * forest.
- * Parents are chosen among nearest vertices and mesh neighbours so that all zeta+ and zeta- together are as short as
- * possible. A virtual root at the distance |zeta_i| stands for clusters that are summed directly. Each block of
- * vertices along the curve has a forest of its own, so that blocks are independent at run time.
+ * forest. Parents are chosen among nearest vertices and mesh neighbours so that all zeta+ and zeta- together are as
+ * short as possible. A virtual root at the distance |zeta_i| stands for clusters that are summed directly. Each block
+ * of vertices along the curve has a forest of its own, so that blocks are independent at run time.
  * Method: Kruskal 1956 with union-find; the weight of an edge i-k is |zeta+| + |zeta-|.
  * Bounds: block_size * (SMR_NEAREST + SMR_NEIGHBOURS_TRIED) candidate edges in a block.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
-
 #include "geometry/box_tree/hilbert_curve.h"
+#include "prepare/prepare_plan.h"
 
-/* Union-find: the representative of i's set; shortens the path to it. */
+/* Union-find: returns the representative of i's set, and shortens the path to it. */
 static uint32_t find(uint32_t *set, uint32_t i)
 {
-    while (set[i] != i) {
-        set[i] = set[set[i]];
-        i = set[i];
-    }
+    while (set[i] != i)
+        i = set[i] = set[set[i]];
     return i;
 }
 
@@ -24,12 +20,12 @@ static uint32_t find(uint32_t *set, uint32_t i)
 typedef struct block {
     smr_plan *p;
     uint32_t first, last; /* vertices first .. last-1 along the curve */
-    float radius;         /* distance of its image from the wanted point, mm */
+    float radius;         /* radius of the clusters, mm */
     uint32_t n_edges;     /* candidate edges */
 } block;
 
-#define SMR_VERTEX_CHUNK 32u /* vertices that a task handles */
-#define SMR_EDGE_CHUNK 512u  /* edges that a task handles */
+#define SMR_VERTEX_CHUNK 32u /* vertices of a task */
+#define SMR_EDGE_CHUNK 512u  /* edges of a task */
 
 static void fill_rows(void *arg, uint32_t task, uint32_t worker)
 {
@@ -71,8 +67,7 @@ static void weigh_edges(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Fills edge_a and edge_b with the candidate edges, each once, edge_a < edge_b, counted from `first`. Returns their
- * number. */
+/* Fills edge_a < edge_b with the candidate edges, each once, vertices counted from `first`. Returns their number. */
 static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
 {
     const uint32_t size = last - first;
@@ -103,8 +98,8 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     return unique;
 }
 
-/* Finds the minimum spanning tree over the block's vertices and the root, whose number is `size`. p->tmp: its edges.
- * Returns their number. */
+/* Writes to p->tmp the edges of the minimum spanning tree over the block and the root, number `size`. Returns how many.
+ * */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};
@@ -131,7 +126,7 @@ static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32
     return kept;
 }
 
-/* Turns the tree's edges into lists of each vertex' neighbours in the tree: link_start, link. */
+/* Lists each vertex' neighbours in the tree: link_start, link. */
 static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
 {
     memset(p->forest.link_start, 0, ((size_t)size + 2u) * sizeof(uint32_t));
@@ -152,25 +147,21 @@ static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
 
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius)
 {
-    const uint32_t size = last - first, none = UINT32_MAX;
+    const uint32_t size = last - first;
     block all = {p, first, last, radius, 0};
     smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
-    if (p->forest.nearest_kind != 1u + p->separate) /* otherwise known from the radius before */
+    if (p->forest.nearest_kind != 1u + p->separate) /* nearest[] is not known from the radius before */
         smr_fork(&p->port, fill_nearest, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
     const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
     link_up(p, size, kept);
     smr_list_block(l);
-    /* breadth first from the root: parents come before their children */
-    for (uint32_t v = 0; v < size; v++)
-        p->entry[first + v] = none;
-    uint32_t head = 0, tail = 0;
+    uint32_t head = 0, tail = 0; /* breadth first from the root, so that parents come before their children */
     for (uint32_t i = p->forest.link_start[size]; i < p->forest.link_start[size + 1u]; i++) {
         p->forest.parent[p->forest.link[i]] = size;
         p->queue[tail++] = p->forest.link[i];
     }
     while (head < tail) {
-        const uint32_t v = p->queue[head];
-        const uint32_t up = p->forest.parent[v];
+        const uint32_t v = p->queue[head], up = p->forest.parent[v];
         p->entry[first + v] = head++;
         smr_list_entry(l, p, first + v, up == size ? p->entry[first + v] : p->entry[first + up], smr_plan_row(p, v),
                        up == size ? NULL : smr_plan_row(p, up));

@@ -1,17 +1,16 @@
-/* prepare.c: smr_prepare(), the paper's preprocessing (2.2): surfaces in, model out. In order: numbering along the
- * curve, masses, dihedral edges, profiles, radii, priority list S and stored order, and for each radius the clusters
- * with their order L. Allocates nothing; the scratch memory is the caller's.
+/* prepare.c: smr_prepare(), the paper's preprocessing (2.2), makes a model from surfaces. In order: numbering along the
+ * curve, masses, dihedral edges, profiles, radii, priority list S and stored order, clusters and order L of each
+ * radius.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/settings.h"
 #include "geometry/surface/mesh.h"
 #include "image/intensity_profile.h"
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
-/* largest memory of a block's rows, unless the caller names a block size */
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20)
-#define SMR_BLOCK_MIN 64u   /* smallest block, vertices */
-#define SMR_BLOCK_MAX 2048u /* largest block, vertices */
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* largest memory of a block's rows, by default */
+#define SMR_BLOCK_MIN 64u                     /* smallest block, vertices */
+#define SMR_BLOCK_MAX 2048u                   /* largest block, vertices */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 
@@ -40,7 +39,7 @@ smr_prepare_config smr_prepare_config_paper(void)
     return config;
 }
 
-/* Returns 1 for a cookie of this version, values in the ranges of the table of settings, and legal radii. */
+/* Returns 1 when the cookie is of this version, and values and radii are in range. */
 static int is_legal(const smr_prepare_config *c)
 {
     int legal = c->cookie == SMR_COOKIE('P', smr_prepare_config);
@@ -86,7 +85,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
 {
     const size_t n = p->n, nt = p->nt, u = sizeof(uint32_t);
     const size_t pairs = (size_t)p->block_size * (SMR_NEAREST + SMR_NEIGHBOURS_TRIED + 1u);
-    size_t most = n > 6u * nt ? n : 6u * nt; /* neighbours of all vertices before duplicates are removed */
+    size_t most = n > 6u * nt ? n : 6u * nt; /* items of the largest sort */
     most = most > pairs ? most : pairs;
     const int geodesic = p->config->distance == SMR_DISTANCE_GEODESIC;
     p->xyz = smr_arena_take(a, n, 3u * sizeof(float));
@@ -139,17 +138,17 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     smr_plan p;
     if (scratch_bytes == NULL)
         return SMR_E_NULL;
-    smr_status status = smr_plan_start(&p, structures, n_structures, config);
+    const smr_status status = smr_plan_start(&p, structures, n_structures, config);
+    smr_arena a = smr_arena_measure();
     if (status != SMR_OK)
         return status;
-    smr_arena a = smr_arena_measure();
     smr_plan_layout(&a, &p);
     *scratch_bytes = a.used;
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* The radius, mm, below which clusters are separate for each structure. Images show sliding structures less clearly
- * than surfaces: there only the finest radius is separate. */
+/* Returns the radius, mm, below which a cluster contains vertices of one structure only. Images show sliding structures
+ * less clearly than surfaces, so only the finest image radius is separate. */
 static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
 {
     float largest = 0.0f, finest = SMR_FAR;
@@ -164,7 +163,7 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* Checks everything that the caller hands over, and starts the arena on the scratch memory. */
+/* Checks all arguments of smr_prepare(), and starts the arena on the scratch memory. */
 static smr_status check_inputs(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                                void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
 {

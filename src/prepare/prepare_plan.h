@@ -1,7 +1,7 @@
-/* prepare_plan.h: what the stages of smr_prepare() share: the model numbered along the curve, its priorities, and
- * scratch. All arrays lie in the caller's scratch memory. Vertices are numbered along a space-filling curve: neighbours
- * in space are mostly neighbours in memory, and a cluster is a few runs of consecutive numbers. The stored order
- * (priority_list_levels.c) is applied only while the model is written.
+/* prepare_plan.h: data that the stages of smr_prepare() share: the model numbered along the curve, priorities, rows of
+ * bits, and the model being written. All arrays lie in the caller's scratch memory. Neighbours on the space-filling
+ * curve are mostly neighbours in space, so a cluster is a few runs of consecutive numbers. The stored order
+ * (priority_list.c) is applied only while the model is written.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PREPARE_PLAN_H
 #define SMR_PREPARE_PLAN_H
@@ -10,18 +10,17 @@
 #include "base/parallel.h"
 #include "geometry/box_tree/box_tree.h"
 #include "model/model.h"
-#include "prepare/cluster_bit_rows.h"
 
 #define SMR_NEAREST 12u          /* nearest vertices tried as parents in the forest */
 #define SMR_NEIGHBOURS_TRIED 16u /* mesh neighbours tried as parents */
-#define SMR_REMAINS UINT32_MAX   /* marks a vertex outside the priority list S, which is never ignored */
+#define SMR_REMAINS UINT32_MAX   /* place of a vertex outside the priority list S, which is never ignored */
 
 /* The priority list S (priority_list.c). */
 typedef struct smr_priority {
     uint32_t n_listed;  /* vertices in S */
     uint32_t *list;     /* [n_listed] S: vertices, the least significant first */
     uint32_t *place;    /* [n] index of each vertex in S, or SMR_REMAINS */
-    uint32_t *witness;  /* [n] scratch: the cluster in which the vertex' m_i was found */
+    uint32_t *witness;  /* [n] scratch: the cluster in which m_i of each vertex was found */
     uint32_t *next;     /* [n] scratch: next vertex in the same bucket */
     uint32_t *bucket;   /* [n + 1] scratch: first vertex of each bucket of equal m_i */
     uint32_t n_scanned; /* clusters computed so far, for the progress callback */
@@ -31,27 +30,24 @@ typedef struct smr_priority {
 typedef struct smr_forest {
     uint32_t nearest_kind; /* clusters that nearest[] belongs to: 0 none yet, 1 shared, 2 separate */
     uint32_t *nearest;     /* [n][SMR_NEAREST] nearest vertices within the vertex' block, SMR_NONE behind the last */
-    uint32_t *edge_a;      /* [pairs] candidate edges of the spanning tree: one end */
-    uint32_t *edge_b;      /* [pairs] the other end */
-    uint32_t *parent;      /* [block_size + 1] union-find, then the parent of each vertex */
-    uint32_t *link_start;  /* [block_size + 2] first link of each vertex */
-    uint32_t *link;        /* [2 (block_size + 1)] ends of tree edges */
+    uint32_t *edge_a, *edge_b; /* [pairs] both ends of the candidate edges of the spanning tree */
+    uint32_t *parent;          /* [block_size + 1] union-find, then the parent of each vertex */
+    uint32_t *link_start;      /* [block_size + 2] first link of each vertex */
+    uint32_t *link;            /* [2 (block_size + 1)] ends of tree edges */
 } smr_forest;
 
 typedef struct smr_plan {
     const smr_structure *structures;
     const smr_prepare_config *config;
     uint32_t n_structures;
-    uint32_t n;          /* vertices of all structures */
-    uint32_t nt;         /* triangles of all structures */
-    uint32_t block_size; /* most vertices in a block of the forest */
-    uint32_t words;      /* 64-bit words of a row of n bits */
-    uint32_t n_rows;     /* rows available at once */
-    uint32_t separate;   /* 1: at the present radius clusters contain vertices of one structure only */
-    smr_port port;       /* parallel loops over a block; none for geodesic clusters, which share scratch */
-    float centre[3];     /* mm, whole numbers: rest positions are relative to it */
-    float edge_mm;       /* mean edge length */
-    float edge_max;      /* longest edge, mm */
+    uint32_t n, nt;          /* vertices and triangles of all structures */
+    uint32_t block_size;     /* most vertices in a block of the forest */
+    uint32_t words;          /* 64-bit words of a row of n bits */
+    uint32_t n_rows;         /* rows available at once */
+    uint32_t separate;       /* 1: a cluster of the present radius contains vertices of one structure only */
+    smr_port port;           /* parallel loops over a block; empty for geodesic clusters, which share scratch */
+    float centre[3];         /* mm, whole numbers: origin of rest positions */
+    float edge_mm, edge_max; /* mean and longest edge, mm */
 
     /* written by smr_plan_order(), smr_plan_neighbours() and smr_plan_mass(): the model along the curve */
     float *xyz;                /* [n][3] rest positions, mm from centre */
@@ -108,17 +104,17 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 /* Takes all arrays from the arena, or measures them. Needs smr_plan_start(). */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
-/* The stages, in this order; each writes what smr_plan says. Errors of smr_plan_profiles(): as smr_grid_open. */
+/* The stages, in this order; each writes the fields that smr_plan names. */
 void smr_plan_order(smr_plan *p);          /* curve_numbering.c */
-void smr_plan_neighbours(smr_plan *p);     /* mesh_neighbours.c */
-void smr_plan_mass(smr_plan *p);           /* vertex_mass.c */
+void smr_plan_neighbours(smr_plan *p);     /* mesh_measures.c */
+void smr_plan_mass(smr_plan *p);           /* mesh_measures.c */
 void smr_plan_dihedrals(smr_plan *p);      /* fold_dihedrals_prepare.c */
-smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c */
+smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors as smr_grid_open() */
 
-/* Samples of a profile on the inner side of the vertex. Needs a reference image. */
+/* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 
-/* Chooses radii from coarse to fine when the configuration names none (cluster_radii.c). Returns their number. */
+/* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 
 /* Computes the priority list S for all radii, and active_min of each radius. Errors: E_ABORTED. */
@@ -128,23 +124,55 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
 void smr_plan_one_level(smr_plan *p, uint32_t n_radii);
 
-/* Row i of the plan's n_rows rows of bits (cluster_bit_rows.h). */
+/* A row of bits is a set of vertices: bit v stands for the vertex with the number v along the curve. Behind its `words`
+ * 64-bit words a row has one more word: first | last << 32. Only the words first .. last-1 may hold bits, so small
+ * clusters cost little in large models. */
+static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
+static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
+
+/* Extends the range of words that may hold bits by the words first .. last-1. */
+static inline void smr_row_cover(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
+{
+    first = smr_min_u32(first, smr_row_first(row, words));
+    last = smr_max_u32(last, smr_row_last(row, words));
+    row[words] = (uint64_t)last << 32 | first;
+}
+
+/* Adds the vertex `bit` to the row. */
+static inline void smr_row_set(uint64_t *row, uint32_t words, uint32_t bit)
+{
+    row[bit / 64u] |= (uint64_t)1 << (bit % 64u);
+    smr_row_cover(row, words, bit / 64u, bit / 64u + 1u);
+}
+
+/* Empties the row. */
+static inline void smr_row_clear(uint64_t *row, uint32_t words)
+{
+    for (uint32_t w = smr_row_first(row, words); w < smr_row_last(row, words); w++)
+        row[w] = 0;
+    row[words] = words;
+}
+
+/* Return the number of vertices in the row, |zeta|, and in exactly one of the rows a and b, |zeta+| + |zeta-|. */
+uint32_t smr_row_count(const uint64_t *row, uint32_t words);
+uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t words);
+
+/* Row i of the plan's n_rows rows of bits. */
 static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * (p->words + 1u); }
 
-/* 1 when clusters of this radius also hold the mesh neighbours of their vertex. */
+/* Returns 1 when clusters of this radius also hold the mesh neighbours of their vertex. */
 static inline int smr_holds_neighbours(const smr_plan *p, float radius)
 {
     return p->config->ring && radius >= p->edge_mm;
 }
 
-/* Fill the row with the cluster zeta_v at this radius; with all vertices within `radius` of v, of all structures, by
- * Euclidean distance; and along mesh edges (geodesic distance). */
+/* Fill the row with the cluster zeta_v at this radius; and with all vertices within `radius` of v by Euclidean
+ * distance, of all structures. */
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
-void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
-/* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not
- * cross structures. Structures of points alone are carried by whatever is around them. */
+/* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not cross
+ * structures, except structures without triangles, which share the clusters around them. */
 static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
 {
     const uint32_t i = p->owner[a], k = p->owner[b];
@@ -154,9 +182,55 @@ static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
 /* Removes from the row all vertices that cannot be in the cluster of v. */
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row);
 
-/* found[k]: the k <= SMR_NEAREST vertices nearest to v among first .. last-1, v itself excluded; when p->separate only
- * of its structure. distance2[k], unless NULL: their squared distances, mm^2. Returns how many there are. */
+/* Finds the k <= SMR_NEAREST vertices found[k] nearest to v among first .. last-1, without v and vertices kept apart
+ * from v. distance2[k], unless NULL: squared distances, mm^2. Returns the number of vertices found. */
 uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
                      float *distance2);
+
+/* The model being written. Bytes beyond the capacity are counted, not written. */
+typedef struct smr_writer {
+    unsigned char *model;  /* [capacity] the caller's memory; NULL: bytes are counted only */
+    size_t capacity, used; /* bytes at model; bytes so far */
+} smr_writer;
+
+/* Write a little-endian number at offset `at`. */
+void smr_put16(smr_writer *w, size_t at, uint32_t value);
+void smr_put32(smr_writer *w, size_t at, uint32_t value);
+
+/* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns its offset. */
+size_t smr_put_section(smr_writer *w, size_t bytes);
+
+/* Writes the whole model but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
+smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
+
+/* The lists of one radius being written: the order L with parents, zeta+ and zeta-, in stored vertex numbers. */
+typedef struct smr_list_writer {
+    smr_writer *w;
+    uint32_t index_bytes;                                            /* 2 or 4: width of an index */
+    size_t at_blocks, at_entries, at_count, at_indexes, at_boundary; /* offsets of the sections */
+    uint32_t n_blocks;                                               /* blocks begun so far */
+    uint32_t n_entries;                                              /* entries of L so far */
+    uint32_t n_indexes;                                              /* indexes in all zeta+ and zeta- so far */
+    uint64_t n_boundary;                                             /* boundary pairs so far */
+    uint64_t n_members;                                              /* sum of |zeta| so far */
+    uint32_t largest, smallest;                                      /* |zeta| of the largest and smallest cluster */
+} smr_list_writer;
+
+/* Begins a block: part of the order L whose parents all lie within it. */
+void smr_list_block(smr_list_writer *l);
+
+/* Appends an entry of L with its zeta+ and zeta-. vertex: number along the curve; parent: entry number within the
+ * block; own, parent_row: the rows of the two clusters, parent_row NULL for a root. */
+void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
+                    const uint64_t *parent_row);
+
+/* Writes the boundary pairs of a radius behind its lists, and adds boundary vertices to the largest cluster's size. */
+void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
+
+/* Writes the clusters of the vertices first .. last-1 along the curve as one block: a minimum spanning forest. */
+void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
+
+/* Writes all clusters as one block in the paper's breadth-first order. Errors: E_ABORTED (progress callback). */
+smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t radius_index, uint32_t n_radii);
 
 #endif

@@ -1,22 +1,22 @@
-/* priority_list.c: the priority list S (paper 2.2, complexity tuning): the vertices that can be ignored, the least
- * significant first.
+/* priority_list.c: the priority list S (paper 2.2, complexity tuning), the vertices that can be ignored, the least
+ * significant first; and the stored order that follows from S: by levels, the most important first, and along the curve
+ * within a level, so that the first m stored vertices are about the best m to keep active. A level ends with the
+ * active_min of each radius.
  * Rule: m_i = min over j in zeta_i of |zeta_j|. The vertex with the largest m_i goes into S and out of all clusters
  * that hold it, until every m_i is SMR_KEPT or less. Of equal m_i the caller's smallest index goes first, so that S
- * does not depend on the model's pose. Clusters smaller than SMR_KEPT stay whole.
- * All radii share one S: the rule runs at the finest radius until no vertex can go, then at the next coarser one among
- * the vertices that remain.
+ * does not depend on the model's pose. The rule runs at the finest radius until no vertex can go, then at the next
+ * coarser radius among the vertices that remain.
  * Method: |zeta_j| only falls. A vertex therefore waits in the bucket of its last known m_i and is tested again when
- * that bucket comes up. Its witness, the cluster where m_i was found, mostly tells at once that m_i has fallen since.
+ * that bucket comes up. The vertex' witness, the cluster where m_i was found, mostly shows at once that m_i has fallen.
  * Clusters are symmetric, so the clusters that hold i are those of the vertices in zeta_i.
  * SPDX-License-Identifier: MIT */
-#include "prepare/prepare_plan.h"
-
 #include "geometry/box_tree/hilbert_curve.h"
+#include "prepare/prepare_plan.h"
 
 #define SMR_KEPT 3u        /* vertices of a cluster that determine a rigid transform */
 #define SMR_REQUESTED 256u /* clusters between two calls of the progress callback */
 
-/* Counts one more cluster. Returns 1 when the progress callback wants to stop. */
+/* Counts one more computed cluster. Returns 1 when the progress callback wants to stop. */
 static int stop_requested(smr_plan *p)
 {
     return ++p->priority.n_scanned % SMR_REQUESTED == 0u && p->config->progress != NULL &&
@@ -38,7 +38,7 @@ static void change_counts(smr_plan *p, const uint64_t *row, uint32_t change)
     }
 }
 
-/* p->count[j]: |zeta_j| without the vertices in S. */
+/* Computes p->count[j], |zeta_j| without the vertices in S. */
 static smr_status count_remaining(smr_plan *p, float radius)
 {
     memset(p->count, 0, p->n * sizeof *p->count);
@@ -53,7 +53,7 @@ static smr_status count_remaining(smr_plan *p, float radius)
     return SMR_OK;
 }
 
-/* The vertex of the row that is in S and has the caller's smallest index; SMR_REMAINS for none. */
+/* Returns the row's vertex in S with the caller's smallest index; SMR_REMAINS when no vertex of the row is in S. */
 static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
 {
     uint32_t first = SMR_REMAINS;
@@ -67,8 +67,7 @@ static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
     return first;
 }
 
-/* Takes vertices out of S again where a cluster of this radius keeps fewer than SMR_KEPT of its vertices: the finer
- * radius did not know this cluster. */
+/* Takes vertices out of S again where a cluster of this radius, coarser than those of S, keeps fewer than SMR_KEPT. */
 static smr_status restore(smr_plan *p, float radius)
 {
     for (uint32_t i = 0; p->priority.n_listed > 0u && i < p->n; i++) {
@@ -100,18 +99,15 @@ static void put_in_bucket(smr_plan *p, uint32_t v, uint32_t m)
     p->priority.bucket[m] = v;
 }
 
-/* 1 when j is in zeta_v by Euclidean distance (cluster_building.c). 0 does not exclude it: mesh neighbours are not
- * tested. */
+/* Returns 1 when j is in zeta_v by Euclidean distance (cluster_building.c); mesh neighbours are not tested. */
 static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
 {
-    const float *a = p->xyz + 3u * (size_t)v, *b = p->xyz + 3u * (size_t)j;
-    float d2 = 0.0f;
-    for (uint32_t c = 0; c < 3u; c++)
-        d2 += (a[c] - b[c]) * (a[c] - b[c]);
+    const smr_vec d = smr_sub(smr_get3(p->xyz, v), smr_get3(p->xyz, j));
+    const float d2 = smr_dot(d, d);
     return d2 <= radius * radius && p->config->distance == SMR_DISTANCE_EUCLIDEAN && !smr_kept_apart(p, v, j);
 }
 
-/* Uses the witness of a mesh neighbour when its cluster is smaller. Returns |zeta| of the witness. */
+/* Replaces the witness of v by a mesh neighbour's witness whose cluster is smaller. Returns |zeta| of v's witness. */
 static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
 {
     uint32_t tried = 0;
@@ -135,7 +131,7 @@ static uint32_t scan(smr_plan *p, uint32_t v, float radius)
         for (uint32_t k = 0; row[w] == UINT64_MAX && k < 64u; k++)
             least = k == 0u ? p->count[w * 64u] : smr_min_u32(least, p->count[w * 64u + k]);
         if (least >= m)
-            continue; /* all 64 vertices of the word, and none smaller than m */
+            continue; /* the word holds 64 vertices, none of which has a smaller cluster than m */
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             const uint32_t j = w * 64u + (uint32_t)__builtin_ctzll(rest);
             if (p->count[j] < m) {
@@ -157,7 +153,7 @@ static uint32_t take_bucket(smr_plan *p, uint32_t m)
         falling &= n == 0u || p->key[n] < p->key[n - 1u];
     }
     p->priority.bucket[m] = SMR_REMAINS;
-    for (uint32_t i = 0; falling && i < n / 2u; i++) { /* filled in ascending order: reversing suffices */
+    for (uint32_t i = 0; falling && i < n / 2u; i++) { /* a bucket filled in ascending order only needs reversing */
         const uint32_t v = p->item[i];
         p->item[i] = p->item[n - 1u - i];
         p->item[n - 1u - i] = v;
@@ -167,7 +163,7 @@ static uint32_t take_bucket(smr_plan *p, uint32_t m)
     return n;
 }
 
-/* Fills the buckets by |zeta_v|, an upper bound of m_v. Returns the largest. */
+/* Puts each vertex v into the bucket of |zeta_v|, an upper bound of m_v. Returns the largest |zeta_v|. */
 static uint32_t fill_buckets(smr_plan *p)
 {
     uint32_t most = 0;
@@ -211,8 +207,8 @@ static smr_status discard(smr_plan *p, float radius)
     return SMR_OK;
 }
 
-/* Closes the gaps that restore() left in S, and computes active_min of each radius. listed[r]: length of S with gaps
- * when radius r was complete. */
+/* Closes the gaps that restore() left in S, and computes active_min of each radius. listed[r]: length of S, gaps
+ * included, when radius r was complete. */
 static void settle(smr_plan *p, uint32_t n_radii, const uint32_t listed[SMR_RADII_MAX])
 {
     uint32_t kept = 0;
@@ -255,4 +251,69 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
     }
     settle(p, n_radii, listed);
     return SMR_OK;
+}
+
+#define SMR_LEVEL_EIGHTHS 16u /* a level and all levels before it hold 16/8 as many vertices as the levels before it */
+
+/* Sets n_levels and level_end: levels end at each of need[n] (ascending), and in between while there is room. */
+static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
+{
+    uint32_t end[SMR_LEVELS_MAX], n_ends = 0; /* ends of levels, from the last to the first */
+    for (uint32_t i = n; i-- > 0u;) {
+        const uint32_t below = i > 0u ? need[i - 1u] : need[0];
+        end[n_ends++] = need[i];
+        for (;;) {
+            const uint32_t between = (uint32_t)((uint64_t)end[n_ends - 1u] * 8u / SMR_LEVEL_EIGHTHS);
+            if (n_ends + i >= SMR_LEVELS_MAX || between <= below + below / 8u)
+                break;
+            end[n_ends++] = between;
+        }
+    }
+    p->n_levels = n_ends;
+    for (uint32_t i = 0; i < n_ends; i++)
+        p->level_end[i] = end[n_ends - 1u - i];
+}
+
+/* Fills need[] with the distinct active_min of all radii and the number of vertices, ascending. Returns how many. */
+static uint32_t sorted_needs(const smr_plan *p, uint32_t n_radii, uint32_t need[SMR_RADII_MAX + 1u])
+{
+    uint32_t n = 0, last = 0;
+    for (;;) {
+        uint32_t next = p->n;
+        for (uint32_t r = 0; r < n_radii; r++)
+            if (p->active_min[r] > last)
+                next = smr_min_u32(next, p->active_min[r]);
+        need[n++] = last = next;
+        if (next == p->n)
+            return n;
+    }
+}
+
+void smr_plan_one_level(smr_plan *p, uint32_t n_radii)
+{
+    p->n_levels = 1;
+    p->level_end[0] = p->n;
+    for (uint32_t r = 0; r < n_radii; r++)
+        p->active_min[r] = p->n;
+    for (uint32_t v = 0; v < p->n; v++) {
+        p->stored[v] = p->along[v] = v;
+        p->level[v] = 0;
+    }
+}
+
+void smr_plan_levels(smr_plan *p, uint32_t n_radii)
+{
+    uint32_t need[SMR_RADII_MAX + 1u];
+    choose_ends(p, need, sorted_needs(p, n_radii, need));
+    for (uint32_t v = 0; v < p->n; v++) {
+        const uint32_t rank = p->priority.place[v] == SMR_REMAINS ? 0u : p->n - 1u - p->priority.place[v];
+        uint32_t level = 0;
+        while (rank >= p->level_end[level])
+            level++;
+        p->key[v] = p->level[v] = level;
+        p->along[v] = v;
+    }
+    smr_curve_sort(p->key, p->along, p->tmp, p->n); /* stable */
+    for (uint32_t v = 0; v < p->n; v++)
+        p->stored[p->along[v]] = v;
 }

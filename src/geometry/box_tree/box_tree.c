@@ -1,5 +1,4 @@
-/* box_tree.c: shape and boxes of the box tree over triangles. Refitting recomputes normals and boxes after the
- * positions changed; the tree's shape follows from the number of triangles alone.
+/* box_tree.c: shape of the box tree over triangles, and refits: boxes and normals recomputed from new positions.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/hilbert_curve.h"
@@ -56,7 +55,7 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
     }
 }
 
-/* Sets child k of a node to the box of the node below. */
+/* Sets the box of child k of a node to the box around the child's own children. */
 static void set_from(smr_node *node, uint32_t k, const smr_node *child)
 {
     for (uint32_t axis = 0; axis < 3u; axis++) {

@@ -1,6 +1,6 @@
 /* box_tree.h: a bounding-box tree over triangles, for closest-point search.
  * Triangles are in tree order (smr_mesh_order). Node k of a level holds nodes 8k .. 8k+7 of the level below, so the
- * shape follows from the number of triangles alone. A deformed mesh only needs its boxes recomputed.
+ * tree's shape follows from the number of triangles alone, and a deformed mesh needs new boxes only.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BOX_TREE_H
 #define SMR_BOX_TREE_H
@@ -13,8 +13,7 @@
 
 /* A node: the boxes of its eight children, mm. Empty children have all coordinates SMR_FAR. */
 typedef struct smr_node {
-    float lo[3][SMR_TREE_WIDTH];
-    float hi[3][SMR_TREE_WIDTH];
+    float lo[3][SMR_TREE_WIDTH], hi[3][SMR_TREE_WIDTH];
 } smr_node;
 
 /* A triangle mesh with its box tree: a view of arrays that belong to the caller. */
@@ -29,30 +28,29 @@ typedef struct smr_box_tree {
     uint32_t level[SMR_TREE_LEVELS]; /* index of each level's first node */
 } smr_box_tree;
 
-/* Number of nodes of the tree over n_triangles. */
+/* Returns the number of nodes of the tree over n_triangles. */
 uint32_t smr_tree_nodes(uint32_t n_triangles);
 
 /* Sets n_triangles, n_levels and level[]. */
 void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles);
 
-/* Number of leaves: nodes of the lowest level. */
+/* Returns the number of leaves: nodes of the lowest level. */
 static inline uint32_t smr_tree_leaves(const smr_box_tree *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
 
 /* Recomputes normals and, where f->node is not NULL, boxes of the leaves first .. last-1 from the positions. */
 void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last);
 
-/* Recomputes the boxes of nodes first .. last-1, which lie above the leaves; those below them are new already. */
+/* Recomputes the boxes of the nodes first .. last-1 above the leaves. All lower nodes must be recomputed already. */
 void smr_tree_refit_nodes(const smr_box_tree *f, uint32_t first, uint32_t last);
 
 /* Recomputes the boxes of all levels above the leaves. */
 void smr_tree_refit_upper(const smr_box_tree *f);
 
-/* The bit of each child in a set of children. A table, because compilers do not vectorise variable shifts
- * everywhere. */
+/* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
 
-/* d2[k]: squared distance from p to child box k of a node, mm^2; 0 inside the box. Returns the children within `bound`,
- * a bit each. */
+/* Writes d2[k], the squared distance from p to child box k of a node, mm^2, 0 inside the box. Returns the set of
+ * children with d2[k] <= bound, a bit each. */
 static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
 {
     uint32_t near = 0;
@@ -68,7 +66,7 @@ static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float 
     return near;
 }
 
-/* Squared distances from p to the nearest and to the farthest point of child box k, mm^2. */
+/* Writes the squared distances from p to the nearest and to the farthest point of child box k, mm^2. */
 static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p, float *near2, float *far2)
 {
     const float at[3] = {p.x, p.y, p.z};
@@ -86,12 +84,12 @@ static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p,
 
 /* A node to be opened by a search. */
 typedef struct smr_visit {
-    float d2;              /* squared distance to its box, mm^2, where the search needs it */
-    uint32_t level, index; /* its level, and its index there */
+    float d2;              /* squared distance to the node's box, mm^2, where the search needs it */
+    uint32_t level, index; /* the node's level, and index in that level */
 } smr_visit;
 
-/* Pushes the children `near` of a node (a bit each, squared distances d2) that are not empty, the nearest last. first:
- * the node's first child. Returns the new height of the stack. */
+/* Pushes the children `near` of a node (a bit each, squared distances d2), the nearest last, without empty children.
+ * first: the node's first child. Returns the new height of the stack. */
 static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDTH], smr_visit first, smr_visit *stack,
                                      uint32_t height)
 {
@@ -111,73 +109,69 @@ static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDT
 /* A search for the closest triangle. */
 typedef struct smr_query {
     smr_vec point;        /* position, mm */
-    smr_vec normal;       /* unit normal or zero */
+    smr_vec normal;       /* unit normal, or 0 */
     float min_cos;        /* smallest cosine between `normal` and a triangle's normal; -2 accepts all */
-    uint32_t node_budget; /* most nodes that are opened */
-    uint32_t warm;        /* triangle that is tried first (warm start), or SMR_NONE */
+    uint32_t node_budget; /* most nodes that the search opens */
+    uint32_t warm;        /* triangle that the search tries first, or SMR_NONE */
 } smr_query;
 
 /* The closest triangle. */
 typedef struct smr_hit {
     float d2;          /* in: squared search distance, mm^2; out: squared distance to the triangle */
-    uint32_t triangle; /* in tree order; SMR_NONE when nothing was found */
+    uint32_t triangle; /* triangle in tree order; SMR_NONE when none was found */
     float weight[3];   /* barycentric weights of the closest point */
 } smr_hit;
 
-/* Finds the closest acceptable triangle within hit->d2. Without one *hit stays unchanged. */
+#define SMR_SKIPPED 64u /* flag of a triangle that smr_tree_closest_but() skips */
+
+/* Find the closest acceptable triangle within hit->d2. Without such a triangle *hit stays unchanged.
+ * skip: [n_triangles] flags of triangles; NULL: no triangle is skipped. */
 void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
-
-#define SMR_SKIPPED 64u /* flag of a triangle that the search skips */
-
-/* The same without triangles that have the flag SMR_SKIPPED. skip: [n_triangles]; NULL: none is skipped. */
 void smr_tree_closest_but(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit);
 
-#define SMR_NEAR_MOST 24u /* most near triangles: more than usually meet at a vertex */
+#define SMR_NEAR_MOST 24u /* most near triangles of a list: more than usually meet at a vertex */
 
-/* A triangle nearly as close as the closest one. */
+/* A triangle nearly as close as the closest triangle. */
 typedef struct smr_near {
     float share; /* 0 .. 1; all shares of a list add up to 1 */
     float d2;    /* squared distance, mm^2 */
     uint32_t triangle;
-    float weight[3]; /* barycentric weights of its closest point */
+    float weight[3]; /* barycentric weights of the triangle's closest point */
 } smr_near;
 
 typedef struct smr_near_list {
-    uint32_t n; /* 0 when nothing was found */
+    uint32_t n; /* triangles in the list; 0 when none was found */
     float cut2; /* squared distance, mm^2, of the nearest triangle that the list's size or the node budget left out */
     smr_near item[SMR_NEAR_MOST];
 } smr_near_list;
 
-/* Finds the closest acceptable triangle, and all that are less than a tenth farther and nearer than list->cut2.
- * Their shares fall to 0 at that limit, so that rounding does not decide between equally close triangles. */
+/* Finds the closest acceptable triangle, and all triangles less than a tenth farther and nearer than list->cut2. Shares
+ * fall to 0 at that limit, so that rounding does not decide between equally close triangles. */
 void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
 
-/* The point of a triangle with these barycentric weights, mm. */
+/* Returns the point, mm, of a triangle with these barycentric weights. */
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3]);
 
-/* order[n_triangles]: the mesh's triangle indexes in tree order (box_tree.h). Scratch: centre [n_triangles][3],
+/* Writes order[n_triangles], the mesh's triangle indexes in tree order. Scratch: centre [n_triangles][3],
  * key [n_triangles], tmp [2 n_triangles]. */
 void smr_mesh_order(const smr_mesh *mesh, uint32_t *order, float *centre, uint32_t *key, uint32_t *tmp);
 
-/* The same in steps. centre and order are those of smr_mesh_centres(). */
-#define SMR_ORDER_BYTES 256u /* values of a byte */
-#define SMR_ORDER_SMALL 88u  /* triangles: ranges up to this size are sorted at once */
-
+/* A sort into tree order in steps: smr_mesh_centres(), smr_order_start(), then smr_order_step() until it returns 1. */
 typedef struct smr_order {
-    const float *centre;                 /* [n][3] of triangles */
-    uint32_t *order, *key, *tmp, *count; /* [n]; [n]; [2 n]; [SMR_ORDER_BYTES] */
+    const float *centre;                 /* [n][3] centres of triangles, times 3, mm */
+    uint32_t *order, *key, *tmp, *count; /* [n] result; scratch: [n], [2 n], [SMR_SORT_BYTES] for n > SMR_SORT_SMALL */
     uint32_t n;
-    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* waiting ranges */
-    uint32_t first, size, stage, at;                     /* range in work; size 0: none */
-    float lo[3], hi[3];                                  /* box around the centres of the range */
+    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* first and end of each waiting range; entries in use */
+    uint32_t first, size, stage, at; /* range in work, its stage, triangles done; size 0: no range */
+    float lo[3], hi[3];              /* box around the centres of the range */
 } smr_order;
 
-/* centre and order of the triangles first .. last-1, as the caller has them. */
+/* Writes centre and order of the triangles first .. last-1, in the caller's order. */
 void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint32_t first, uint32_t last);
 void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
                      uint32_t *count);
 
-/* Continues for `most` visits of a triangle, or more to finish a small range. Returns 1 when the order is complete. */
+/* Continues for about `most` visits of triangles. Returns 1 when the order is complete. */
 int smr_order_step(smr_order *o, uint32_t most);
 
 #endif

@@ -1,9 +1,7 @@
-/* box_tree_search.c: closest-point search in the box tree: the closest acceptable triangle, and the triangles nearly
- * as close.
- * Method: depth first, nearest child first, boxes beyond the best distance so far are skipped. A warm start with the
- * last iteration's triangle usually is the answer at once.
- * Bounds: node_budget nodes opened, 8 box tests and at most 8 triangles each. The stack holds at most 7 entries a
- * level and 8 at the bottom. At most SMR_TIES nodes that can only tie with the best distance.
+/* box_tree_search.c: search in the box tree for the closest acceptable triangle, and for triangles nearly as close.
+ * Method: depth first, nearest child first; boxes beyond the best distance so far are skipped. The search starts with
+ * the last iteration's triangle, which usually is the closest one.
+ * Bounds: node_budget nodes opened, 8 box tests and at most 8 triangles each; a stack of 7 entries a level and 8 more.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/triangle.h"
@@ -13,18 +11,16 @@ smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float
     return smr_corners_mean(smr_corners_of(f->xyz, f->triangle + 3u * (size_t)triangle), weight);
 }
 
-/* 1 when triangle i wins a tie against the triangle found so far. */
+/* Returns 1 when triangle i wins a tie against the triangle found so far. */
 static int comes_first(const smr_box_tree *f, uint32_t i, uint32_t found)
 {
-    if (found == SMR_NONE || f->rank == NULL)
-        return i < found;
-    return f->rank[i] < f->rank[found];
+    return found == SMR_NONE || f->rank == NULL ? i < found : f->rank[i] < f->rank[found];
 }
 
 #define SMR_NEARLY 0.1f      /* triangles farther than (1 + this) times the closest distance are not near */
-#define SMR_NORMAL_RAMP 0.2f /* cosine: width above min_cos over which shares rise from 0 to all */
+#define SMR_NORMAL_RAMP 0.2f /* width of the range of cosines above min_cos over which shares rise from 0 to 1 */
 
-/* Adds a triangle to the list of near ones. A full list drops its farthest, and cut2 falls to that distance. */
+/* Adds a near triangle to the list. A full list drops its farthest triangle, and cut2 falls to that distance. */
 static void add_near(smr_near_list *list, uint32_t triangle, float d2, const float weight[3])
 {
     uint32_t at = list->n;
@@ -41,8 +37,8 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
     list->item[at] = (smr_near){0.0f, d2, triangle, {weight[0], weight[1], weight[2]}};
 }
 
-/* Tests triangle i: updates *hit when it is closer, or as close with a smaller rank, and adds it to the list when it
- * is near. Triangles whose normal does not agree, or that are to be skipped, are ignored. */
+/* Tests triangle i, unless its normal disagrees or it is skipped: updates *hit when the triangle is closer, or as close
+ * with a smaller rank, and adds the triangle to the list when it is near. */
 static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
                          float widen, smr_near_list *list)
 {
@@ -62,17 +58,17 @@ static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const
     }
 }
 
-#define SMR_TIES 64u /* nodes opened at most whose boxes are exactly as far as the best triangle */
+#define SMR_TIES 64u /* most nodes opened whose boxes are exactly as far as the best triangle */
 
-/* Finds the closest triangle for *hit. Boxes and triangles within `widen` times its squared distance are tested,
- * too, and enter the list. widen: 1 or more; list: NULL for the closest triangle alone. */
+/* Finds the closest triangle for *hit. Boxes and triangles within `widen` (1 or more) times the squared distance of
+ * *hit are tested, too, and enter the list. list: NULL for the closest triangle alone. */
 static void search(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
                    smr_near_list *list)
 {
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
-        return; /* NaN, or as far as empty boxes: positions of a forged model */
+        return; /* a position of a forged model: NaN, or as far as empty boxes */
     if (q->warm < f->n_triangles)
         try_triangle(f, skip, q, q->warm, hit, widen, NULL);
     stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
@@ -94,7 +90,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
         }
         top = smr_push_near(near, d2, (smr_visit){0.0f, v.level - 1u, base}, stack, top);
     }
-    while (list != NULL && top > 0u) /* node budget used up: triangles beyond the nearest unopened box are not near */
+    while (list != NULL && top > 0u) /* the node budget is used up: the nearest unopened box ends the list */
         list->cut2 = smr_min(list->cut2, stack[--top].d2);
 }
 
@@ -111,7 +107,7 @@ void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_
     list->cut2 = FLT_MAX;
     search(f, NULL, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
     if (hit->triangle == SMR_NONE)
-        list->n = 0; /* nothing within the search distance: the list holds triangles just beyond it */
+        list->n = 0; /* all triangles of the list lie just beyond the search distance */
     const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
     float total = 0.0f;
     for (uint32_t i = 0; i < list->n; i++) {
@@ -125,6 +121,6 @@ void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_
         list->item[i].share /= total > 0.0f ? total : 1.0f;
     if (total > 0.0f || hit->triangle == SMR_NONE)
         return;
-    list->n = 1; /* no share is above 0 (distance 0, ties, or normals barely accepted): the closest one gets all */
+    list->n = 1; /* no share is above 0 (distance 0, ties, normals barely accepted): the closest triangle gets all */
     list->item[0] = (smr_near){1.0f, hit->d2, hit->triangle, {hit->weight[0], hit->weight[1], hit->weight[2]}};
 }

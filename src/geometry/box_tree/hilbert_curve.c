@@ -1,4 +1,4 @@
-/* hilbert_curve.c: positions along a Hilbert curve, and a radix sort by such keys.
+/* hilbert_curve.c: positions along a Hilbert curve, and stable sorts by insertion or by radix.
  * Source: J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004): axes to transpose.
  * Bounds: a sort is 4 passes over n items.
  * SPDX-License-Identifier: MIT */
@@ -17,7 +17,7 @@ smr_box smr_box_of(const float *xyz, uint32_t n)
     return b;
 }
 
-/* Index of the grid cell at distance v from the box's lower side, 0 .. 2^10 - 1. */
+/* Returns the index of the grid cell at distance v, mm, from the box's lower side, 0 .. 2^10 - 1. */
 static uint32_t cell(float v, float scale)
 {
     return (uint32_t)smr_clamp(v * scale, 0.0f, (float)((1u << SMR_CURVE_BITS) - 1u));
@@ -54,29 +54,57 @@ uint32_t smr_curve_key(smr_box box, smr_vec p)
     return key;
 }
 
+/* Sorts item[n] by key[n], stable; for small n. */
+static void insertion_sort(uint32_t *key, uint32_t *item, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        const uint32_t k = key[i], v = item[i];
+        uint32_t j = i;
+        for (; j > 0u && key[j - 1u] > k; j--) {
+            key[j] = key[j - 1u];
+            item[j] = item[j - 1u];
+        }
+        key[j] = k;
+        item[j] = v;
+    }
+}
+
+void smr_sort_count(const smr_sort *s, uint32_t pass, uint32_t from, uint32_t to)
+{
+    const uint32_t *const key = pass % 2u == 0u ? s->key : s->tmp;
+    uint32_t *const count = s->count, sum = 0;
+    if (from == 0u)
+        memset(count, 0, SMR_SORT_BYTES * sizeof *count);
+    for (uint32_t i = from; i < to; i++)
+        count[(key[i] >> 8u * pass) & 255u]++;
+    for (uint32_t d = 0; to == s->n && d < SMR_SORT_BYTES; d++) { /* each count becomes the byte's first place */
+        const uint32_t c = count[d];
+        count[d] = sum;
+        sum += c;
+    }
+}
+
+void smr_sort_move(const smr_sort *s, uint32_t pass, uint32_t from, uint32_t to)
+{
+    const int back = pass % 2u != 0u; /* odd passes move from tmp to the caller's arrays, even ones into tmp */
+    uint32_t *const other = s->tmp + s->n, *const count = s->count;
+    const uint32_t *const key = back ? s->tmp : s->key, *const item = back ? other : s->item;
+    uint32_t *const to_key = back ? s->key : s->tmp, *const to_item = back ? s->item : other;
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t at = count[(key[i] >> 8u * pass) & 255u]++;
+        to_key[at] = key[i];
+        to_item[at] = item[i];
+    }
+}
+
 void smr_curve_sort(uint32_t *key, uint32_t *item, uint32_t *tmp, uint32_t n)
 {
-    uint32_t *key2 = tmp, *item2 = tmp + n;
-    for (uint32_t shift = 0; shift < 32u; shift += 8u) {
-        uint32_t start[256] = {0};
-        for (uint32_t i = 0; i < n; i++)
-            start[(key[i] >> shift) & 255u]++;
-        uint32_t sum = 0;
-        for (uint32_t d = 0; d < 256u; d++) {
-            uint32_t c = start[d];
-            start[d] = sum;
-            sum += c;
-        }
-        for (uint32_t i = 0; i < n; i++) {
-            uint32_t to = start[(key[i] >> shift) & 255u]++;
-            key2[to] = key[i];
-            item2[to] = item[i];
-        }
-        uint32_t *swap = key;
-        key = key2;
-        key2 = swap;
-        swap = item;
-        item = item2;
-        item2 = swap;
-    } /* after an even number of passes the result is in the caller's arrays */
+    uint32_t count[SMR_SORT_BYTES];
+    const smr_sort s = {key, item, tmp, count, n};
+    if (n <= SMR_SORT_SMALL)
+        insertion_sort(key, item, n);
+    for (uint32_t pass = 0; n > SMR_SORT_SMALL && pass < SMR_SORT_PASSES; pass++) {
+        smr_sort_count(&s, pass, 0, n);
+        smr_sort_move(&s, pass, 0, n);
+    }
 }

@@ -1,4 +1,4 @@
-/* hilbert_curve.h: the space-filling curve along which a model's vertices are numbered, and the sort by it.
+/* hilbert_curve.h: the space-filling curve along which a model's vertices are numbered, and sorts by 32-bit keys.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_HILBERT_CURVE_H
 #define SMR_HILBERT_CURVE_H
@@ -10,13 +10,27 @@ typedef struct smr_box {
     smr_vec lo, hi;
 } smr_box;
 
-/* The bounding box of n >= 1 points, xyz: [n][3] mm. */
+/* Returns the bounding box of n >= 1 points, xyz: [n][3] mm. */
 smr_box smr_box_of(const float *xyz, uint32_t n);
 
-/* Position of p on a Hilbert curve of 10 bits per axis through the cube around box: 0 .. 2^30 - 1. */
+/* Returns the position of p on a Hilbert curve of 10 bits per axis through the cube around box: 0 .. 2^30 - 1. */
 uint32_t smr_curve_key(smr_box box, smr_vec p);
+
+#define SMR_SORT_SMALL 88u  /* items: up to this number insertion is faster than radix passes */
+#define SMR_SORT_BYTES 256u /* values of a byte */
+#define SMR_SORT_PASSES 4u  /* passes of a radix sort, one a byte of the key, the lowest byte first */
 
 /* Sorts key[n] ascending and item[n] along with it, stable, in place. tmp: [2 n] scratch. */
 void smr_curve_sort(uint32_t *key, uint32_t *item, uint32_t *tmp, uint32_t n);
+
+/* A radix sort in steps: each pass counts all items, then moves all items, from the index `from` up to `to`. */
+typedef struct smr_sort {
+    uint32_t *key, *item, *tmp; /* [n]; [n]; [2 n] scratch */
+    uint32_t *count;            /* [SMR_SORT_BYTES] scratch */
+    uint32_t n;
+} smr_sort;
+
+void smr_sort_count(const smr_sort *s, uint32_t pass, uint32_t from, uint32_t to);
+void smr_sort_move(const smr_sort *s, uint32_t pass, uint32_t from, uint32_t to);
 
 #endif

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_SLIVER 1.0e-5f /* slivers: squared area relative to the products whose difference it is */
+#define SMR_SLIVER 1.0e-5f /* largest squared area of a sliver, relative to the products whose difference it is */
 
 /* Writes the weights; returns the squared length of to_p, the vector from the closest point to p. */
 static float set(float weight[3], float a, float b, float c, smr_vec to_p)
@@ -14,7 +14,7 @@ static float set(float weight[3], float a, float b, float c, smr_vec to_p)
     return smr_dot(to_p, to_p);
 }
 
-/* Closest point on the three edges, for triangles with hardly any area. ap = p - a. */
+/* Finds the closest point on the three edges. ap = p - a. Returns its squared distance from p. */
 static float closest_edge(smr_vec ap, smr_vec ab, smr_vec ac, float weight[3])
 {
     const smr_vec from[3] = {smr_v(0, 0, 0), smr_v(0, 0, 0), ab};
@@ -74,7 +74,7 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
     const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
     if (sum > SMR_SLIVER * sides * (sides + smr_dot(ap, ap)))
         return inside;
-    /* a sliver: rounding dominates the weights, so their point lies on the triangle but may not be the closest */
+    /* in a sliver rounding dominates the weights: their point lies on the triangle but may not be the closest one */
     float on_edge[3];
     const float edge = closest_edge(ap, ab, ac, on_edge);
     if (edge < inside)

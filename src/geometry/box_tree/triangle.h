@@ -1,4 +1,4 @@
-/* triangle.h: closest point on a triangle, and its normal and area.
+/* triangle.h: closest point, normal and area of a triangle, and values interpolated between its corners.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_TRIANGLE_H
 #define SMR_TRIANGLE_H
@@ -9,7 +9,7 @@
  * Zero-area triangles count as line segments or points. */
 float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3]);
 
-/* The vector along the triangle's normal whose length is twice its area. */
+/* Returns the vector along the triangle's normal whose length is twice the area, mm^2. */
 static inline smr_vec smr_triangle_cross(smr_vec a, smr_vec b, smr_vec c)
 {
     return smr_cross(smr_sub(b, a), smr_sub(c, a));
@@ -20,19 +20,19 @@ typedef struct smr_corner_values {
     smr_vec a, b, c;
 } smr_corner_values;
 
-/* The values, [number of vertices][3], at the triangle's vertices t[3]. */
+/* Returns the values, of value [number of vertices][3], at the triangle's vertices t[3]. */
 static inline smr_corner_values smr_corners_of(const float *value, const uint32_t *t)
 {
     return (smr_corner_values){smr_get3(value, t[0]), smr_get3(value, t[1]), smr_get3(value, t[2])};
 }
 
-/* The value at the point with these barycentric weights. */
+/* Returns the value at the point with these barycentric weights. */
 static inline smr_vec smr_corners_mean(smr_corner_values v, const float weight[3])
 {
     return smr_add(smr_add(smr_scale(v.a, weight[0]), smr_scale(v.b, weight[1])), smr_scale(v.c, weight[2]));
 }
 
-/* smr_triangle_cross() of the triangle with the vertices t[3]. */
+/* Returns smr_triangle_cross() of the triangle with the vertices t[3]. */
 static inline smr_vec smr_corners_cross(const float *xyz, const uint32_t *t)
 {
     const smr_corner_values v = smr_corners_of(xyz, t);

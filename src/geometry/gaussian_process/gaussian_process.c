@@ -45,19 +45,16 @@ void smr_solve_back(float *lower, uint32_t n, float *y)
 
 void smr_solve_forward3(float *lower, uint32_t n, float *y)
 {
-    for (uint32_t i = 0; i < n; i++) {
-        float *const at = y + 3u * (size_t)i;
-        smr_store(at, smr_solve_row3(smr_factor_row(lower, i), i, y, smr_load(at)));
-    }
+    for (uint32_t i = 0; i < n; i++)
+        smr_put3(y, i, smr_solve_row3(smr_factor_row(lower, i), i, y, smr_get3(y, i)));
 }
 
 void smr_solve_back3(float *lower, uint32_t n, float *y)
 {
     for (uint32_t i = n; i-- > 0u;) {
-        float *const at = y + 3u * (size_t)i;
-        smr_vec left = smr_load(at);
+        smr_vec left = smr_get3(y, i);
         for (uint32_t k = i + 1u; k < n; k++)
             left = smr_sub(left, smr_scale(smr_get3(y, k), smr_factor_row(lower, k)[i]));
-        smr_store(at, smr_scale(left, 1.0f / smr_factor_row(lower, i)[i]));
+        smr_put3(y, i, smr_scale(left, 1.0f / smr_factor_row(lower, i)[i]));
     }
 }

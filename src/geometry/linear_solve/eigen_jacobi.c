@@ -7,21 +7,17 @@
 
 #define SMR_SWEEPS_COLD 6u
 
-/* One Jacobi rotation in the plane of p and q. Zeroes the entry pq; pp and qq are its diagonal entries, pr and qr the
- * other two off-diagonal ones. vp, vq: first entries of the eigenvector columns p and q. */
+/* Zeroes the entry pq by a Jacobi rotation in the plane of p and q. pp, qq: the plane's diagonal entries; pr, qr: the
+ * other two off-diagonal entries. vp, vq: first entries of the eigenvector columns p and q. */
 static void rotate(float *pp, float *qq, float *pq, float *pr, float *qr, float *vp, float *vq)
 {
-    float off = *pq;
-    float size = smr_abs(*pp) + smr_abs(*qq);
+    const float off = *pq, size = smr_abs(*pp) + smr_abs(*qq);
     if (!(smr_abs(off) > 1.0e-9f * size) || !(smr_abs(off) > 1.0e-30f))
         return;
-    float theta = (*qq - *pp) / (2.0f * off);
-    float big = smr_abs(theta);
-    float t = big > 1.0e9f ? 0.5f / big : 1.0f / (big + SMR_SQRT(big * big + 1.0f));
-    if (theta < 0.0f)
-        t = -t;
-    float c = 1.0f / SMR_SQRT(t * t + 1.0f);
-    float s = t * c;
+    const float theta = (*qq - *pp) / (2.0f * off), big = smr_abs(theta);
+    const float tangent = big > 1.0e9f ? 0.5f / big : 1.0f / (big + SMR_SQRT(big * big + 1.0f));
+    const float t = theta < 0.0f ? -tangent : tangent;
+    const float c = 1.0f / SMR_SQRT(t * t + 1.0f), s = t * c;
     *pp -= t * off;
     *qq += t * off;
     *pq = 0.0f;
@@ -47,15 +43,9 @@ void smr_jacobi(float s[6], float v[9], uint32_t sweeps)
 
 void smr_congruence(const float s[6], const float v[9], float out[6])
 {
-    const float full[9] = {s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5]};
-    smr_vec c0 = smr_axis(v, 0), c1 = smr_axis(v, 1), c2 = smr_axis(v, 2);
-    smr_vec s0 = smr_mul(full, c0), s1 = smr_mul(full, c1), s2 = smr_mul(full, c2);
-    out[SMR_XX] = smr_dot(c0, s0);
-    out[SMR_XY] = smr_dot(c0, s1);
-    out[SMR_XZ] = smr_dot(c0, s2);
-    out[SMR_YY] = smr_dot(c1, s1);
-    out[SMR_YZ] = smr_dot(c1, s2);
-    out[SMR_ZZ] = smr_dot(c2, s2);
+    const smr_vec c[3] = {smr_axis(v, 0), smr_axis(v, 1), smr_axis(v, 2)};
+    const smr_vec sc[3] = {smr_mul_symmetric(s, c[0]), smr_mul_symmetric(s, c[1]), smr_mul_symmetric(s, c[2])};
+    smr_products(c, sc, out);
 }
 
 void smr_eigen(const float s[6], float value[3], float v[9])
@@ -79,14 +69,13 @@ void smr_eigen(const float s[6], float value[3], float v[9])
         for (int row = 0; row < 3; row++)
             v[3 * row + k] = e[3 * row + order[k]];
     }
-    /* the third axis is the cross product of the first two, so that v is a proper rotation */
-    smr_vec third = smr_cross(smr_axis(v, 0), smr_axis(v, 1));
+    const smr_vec third = smr_cross(smr_axis(v, 0), smr_axis(v, 1)); /* makes v a proper rotation */
     v[2] = third.x;
     v[5] = third.y;
     v[8] = third.z;
 }
 
-/* The inverse by cofactors. Returns 0, without an inverse, when some eigenvalue might be below 1e-3 of their mean. */
+/* Inverts s by cofactors. Returns 0, without an inverse, when an eigenvalue might be below 1e-3 of the mean one. */
 static int cofactor_inverse(const float s[6], float out[6])
 {
     const float trace = s[SMR_XX] + s[SMR_YY] + s[SMR_ZZ];
@@ -94,7 +83,7 @@ static int cofactor_inverse(const float s[6], float out[6])
         return 0;
     float n[6], c[6];
     for (int i = 0; i < 6; i++)
-        n[i] = s[i] * (3.0f / trace); /* scaled to eigenvalues with the mean 1 */
+        n[i] = s[i] * (3.0f / trace); /* the eigenvalues of n have the mean 1 */
     c[SMR_XX] = n[SMR_YY] * n[SMR_ZZ] - n[SMR_YZ] * n[SMR_YZ];
     c[SMR_XY] = n[SMR_XZ] * n[SMR_YZ] - n[SMR_XY] * n[SMR_ZZ];
     c[SMR_XZ] = n[SMR_XY] * n[SMR_YZ] - n[SMR_XZ] * n[SMR_YY];
@@ -118,9 +107,7 @@ void smr_pseudo_inverse(const float s[6], float floor, float out[6])
     smr_eigen(s, value, v);
     for (int k = 0; k < 3; k++)
         w[k] = value[k] > floor * value[0] && value[k] > 1.0e-20f ? 1.0f / value[k] : 0.0f;
-    int i = 0;
-    for (int r = 0; r < 3; r++)
-        for (int c = r; c < 3; c++, i++)
-            out[i] =
-                v[3 * r] * w[0] * v[3 * c] + v[3 * r + 1] * w[1] * v[3 * c + 1] + v[3 * r + 2] * w[2] * v[3 * c + 2];
+    for (int r = 0, i = 0; r < 9; r += 3)
+        for (int c = r; c < 9; c += 3)
+            out[i++] = v[r] * w[0] * v[c] + v[r + 1] * w[1] * v[c + 1] + v[r + 2] * w[2] * v[c + 2];
 }

@@ -5,10 +5,10 @@
 
 #include "base/vec.h"
 
-/* A symmetric matrix as its six upper entries, in the order xx xy xz yy yz zz. */
+/* A symmetric matrix s[6] holds its six upper entries in this order. */
 enum { SMR_XX, SMR_XY, SMR_XZ, SMR_YY, SMR_YZ, SMR_ZZ };
 
-/* s += w d d^T. */
+/* Adds w d d^T to s. */
 static inline void smr_add_square(float s[6], float w, smr_vec d)
 {
     s[SMR_XX] += w * d.x * d.x;
@@ -19,22 +19,37 @@ static inline void smr_add_square(float s[6], float w, smr_vec d)
     s[SMR_ZZ] += w * d.z * d.z;
 }
 
-/* Column k of a matrix. */
+/* Returns column k of a matrix. */
 static inline smr_vec smr_axis(const float m[9], int k) { return smr_v(m[k], m[3 + k], m[6 + k]); }
+
+/* Returns s a for a symmetric s. */
+static inline smr_vec smr_mul_symmetric(const float s[6], smr_vec a)
+{
+    const float full[9] = {s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5]};
+    return smr_mul(full, a);
+}
+
+/* Writes A^T B, which must be symmetric, of matrices with the columns a[k] and b[k]. */
+static inline void smr_products(const smr_vec a[3], const smr_vec b[3], float out[6])
+{
+    for (int r = 0, i = 0; r < 3; r++)
+        for (int c = r; c < 3; c++)
+            out[i++] = smr_dot(a[r], b[c]);
+}
 
 /* Diagonalises a symmetric matrix A in place by `sweeps` cyclic Jacobi sweeps with a warm start.
  * s: in V^T A V (smr_congruence); out the eigenvalues in s[XX], s[YY], s[ZZ], unsorted.
  * v: in the start V, orthonormal, row-major; out the eigenvectors as columns. */
 void smr_jacobi(float s[6], float v[9], uint32_t sweeps);
 
-/* out = V^T S V for symmetric s. */
+/* Writes V^T S V for a symmetric s. */
 void smr_congruence(const float s[6], const float v[9], float out[6]);
 
-/* Eigenvalues of s, largest first, and their eigenvectors as columns of a proper rotation v; without a warm start. */
+/* Finds the eigenvalues of s, largest first, and the eigenvectors as columns of a proper rotation v. */
 void smr_eigen(const float s[6], float value[3], float v[9]);
 
-/* The pseudo-inverse of a positive semidefinite s. Directions whose eigenvalue is below `floor` times the largest one
- * get the inverse 0, so a degenerate s has a defined answer. */
+/* Writes the pseudo-inverse of a positive semidefinite s. Directions whose eigenvalue is below `floor` times the
+ * largest one get the inverse 0, so that a degenerate s has a defined answer. */
 void smr_pseudo_inverse(const float s[6], float floor, float out[6]);
 
 #endif

@@ -1,16 +1,15 @@
-/* thin_plate_solve.c: solves the linear equations of a thin-plate spline, in single precision.
+/* thin_plate_solve.c: solves the linear equations of a thin-plate spline in single precision.
  * Method: LU with partial pivoting and iterative refinement (Higham, "Accuracy and Stability of Numerical Algorithms",
  * 9 and 12). Residuals are summed as if in double precision (Dot2: Ogita, Rump, Oishi 2005; error of a product: Dekker
- * 1971), so refinement brings every component to the last digits of a float for condition numbers below about 1e6.
- * The order of operations is fixed; of pivots of equal size the first row is taken.
- * Bounds: n^3 / 3 multiplications to factor, then 4 * 3 * 2 n^2 and three Dot2 passes over a; no data-dependent loop.
+ * 1971), so each component is right to the last digits of a float for condition numbers below about 1e6.
+ * Bounds: n^3 / 3 multiplications to factor, then 4 * 3 * 2 n^2 and four Dot2 passes over a; no data-dependent loop.
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/thin_plate_solve.h"
 
 #define SMR_REFINEMENTS 3u
 #define SMR_PIVOT_MIN 1.0e-9f /* smaller pivots count as 0; the caller scales the matrix to entries of about 1 */
 
-/* Factors s->a into s->lu, with rows in the order of s->pivot. Returns 0 when a pivot is 0. */
+/* Factors s->a into s->lu, rows in the order of s->pivot. Of equal pivots the first is taken. Returns 0 for pivot 0. */
 static int factor(const smr_system *s)
 {
     const size_t n = s->n;
@@ -25,15 +24,13 @@ static int factor(const smr_system *s)
                 best = i;
         if (!(smr_abs(lu[best * n + k]) > SMR_PIVOT_MIN))
             return 0;
-        if (best != k) {
-            const uint32_t row = s->pivot[k];
-            s->pivot[k] = s->pivot[best];
-            s->pivot[best] = row;
-            for (size_t j = 0; j < n; j++) {
-                const float swap = lu[k * n + j];
-                lu[k * n + j] = lu[best * n + j];
-                lu[best * n + j] = swap;
-            }
+        const uint32_t row = s->pivot[k];
+        s->pivot[k] = s->pivot[best];
+        s->pivot[best] = row;
+        for (size_t j = 0; best != k && j < n; j++) {
+            const float swap = lu[k * n + j];
+            lu[k * n + j] = lu[best * n + j];
+            lu[best * n + j] = swap;
         }
         const float inverse = 1.0f / lu[k * n + k];
         for (size_t i = k + 1u; i < n; i++) {
@@ -46,8 +43,7 @@ static int factor(const smr_system *s)
     return 1;
 }
 
-/* Solves the factored system in place. y: [n][3], in right-hand sides in pivot order; out unknowns in their own
- * order. */
+/* Solves the factored system in place. y[n][3]: in the right-hand sides in pivot order; out the unknowns. */
 static void substitute(const smr_system *s, float *y)
 {
     const size_t n = s->n;
@@ -65,7 +61,7 @@ static void substitute(const smr_system *s, float *y)
     }
 }
 
-/* The upper half of the digits of a (Dekker's split): a - high(a) and products of such halves are exact. */
+/* Returns a's upper half of digits (Dekker's split): a - high(a) and products of such halves are exact. */
 static float high(float a)
 {
     const float big = 4097.0f * a;
@@ -82,7 +78,7 @@ static void add_product(float a, float b, float *sum, float *error)
     *error += p_error;
 }
 
-/* residual = b - a x, rows in pivot order. */
+/* Computes the residuals b - a x, rows in pivot order. */
 static void find_residual(const smr_system *s)
 {
     const size_t n = s->n;
@@ -109,8 +105,8 @@ int smr_system_solve(const smr_system *s)
         for (size_t i = 0; i < values; i++)
             s->x[i] += s->residual[i];
     }
+    int finite = 1;
     for (size_t i = 0; i < values; i++)
-        if (!smr_within(s->x[i], FLT_MAX))
-            return 0;
-    return 1;
+        finite &= smr_within(s->x[i], FLT_MAX);
+    return finite;
 }

@@ -1,4 +1,4 @@
-/* thin_plate_solve.h: small dense systems of linear equations in single precision, and sums that keep rounding errors.
+/* thin_plate_solve.h: small dense systems of linear equations in single precision, and sums with their rounding errors.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_THIN_PLATE_SOLVE_H
 #define SMR_THIN_PLATE_SOLVE_H

@@ -5,22 +5,21 @@
 
 #include "base/vec.h"
 
-#define SMR_ANGLE_MAX 1.5f /* rad: longer rotation vectors are shortened to this */
+#define SMR_ANGLE_MAX 1.5f /* rad: longer rotation vectors are shortened to this length */
 
-/* The cosine of an angle in degrees, 0 .. 180. */
+/* Returns the cosine of an angle of 0 .. 180 degrees. */
 float smr_cos_degrees(float degrees);
 
-/* A rotation vector of the same direction, no longer than `most` rad; any w, also one that is not finite. */
+/* Returns w shortened to at most `most` rad; w may be any vector, NaN and infinity included. */
 smr_vec smr_turn_within(smr_vec w, float most);
 
-/* R - I for the rotation about w by |w| rad (Rodrigues formula), row-major. R - I keeps the digits of small
- * rotations. */
+/* Writes R - I, row-major, for the rotation R about w by |w| rad. R - I keeps the digits of small rotations. */
 void smr_rodrigues(smr_vec w, float r_minus_i[9]);
 
-/* R - I for the rotation R nearest to the matrix A (polar decomposition A = R S), row-major.
+/* Writes R - I, row-major, for the rotation R nearest to the matrix A (polar decomposition A = R S).
  * v: in the eigenvectors of A^T A from this cluster's last call (warm start), a proper rotation; out the new ones.
- * Defined for every finite A: rank 2 and reflections give the proper rotation that keeps the two larger directions,
- * rank 1 the shortest rotation between the two directions, rank 0 the identity. */
+ * For rank 2 and reflections R is the proper rotation that keeps the two larger directions, for rank 1 the shortest
+ * rotation between the two directions, for rank 0 the identity. */
 void smr_polar(const float a[9], float v[9], float r_minus_i[9]);
 
 #endif

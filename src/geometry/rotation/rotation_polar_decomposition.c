@@ -11,7 +11,7 @@
 #define SMR_SWEEPS_WARM 4u
 #define SMR_RANK_FLOOR 1.0e-3f /* smaller singular values, relative to the largest, count as 0 */
 
-/* A unit vector perpendicular to the unit vector a, always the same one for the same a. */
+/* Returns a unit vector perpendicular to the unit vector a, always the same one for the same a. */
 static smr_vec any_normal(smr_vec a)
 {
     float x = smr_abs(a.x), y = smr_abs(a.y), z = smr_abs(a.z);
@@ -22,15 +22,13 @@ static smr_vec any_normal(smr_vec a)
 /* Makes v a rotation again (Gram-Schmidt), since rounding errors add up over warm starts. */
 static void orthonormalise(float v[9])
 {
-    smr_vec a = smr_unit(smr_axis(v, 0));
-    smr_vec b = smr_axis(v, 1);
-    b = smr_unit(smr_sub(b, smr_scale(a, smr_dot(a, b))));
-    smr_vec c = smr_cross(a, b);
+    const smr_vec a = smr_unit(smr_axis(v, 0)), oblique = smr_axis(v, 1);
+    const smr_vec b = smr_unit(smr_sub(oblique, smr_scale(a, smr_dot(a, oblique)))), c = smr_cross(a, b);
     const float m[9] = {a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z};
     memcpy(v, m, sizeof m);
 }
 
-/* m = R - I for the shortest rotation R that takes the unit vector a to the unit vector b, at most 90 degrees apart. */
+/* Writes R - I for the shortest rotation R from the unit vector a to the unit vector b, at most 90 degrees apart. */
 static void shortest_near(smr_vec a, smr_vec b, float m[9])
 {
     const smr_vec w = smr_cross(a, b);
@@ -41,8 +39,8 @@ static void shortest_near(smr_vec a, smr_vec b, float m[9])
     memcpy(m, r, sizeof r);
 }
 
-/* The same for any b. Beyond 90 degrees 1 / (1 + c) would magnify rounding errors, so a half turn H about the common
- * normal n takes a to -a first, and a short rotation S about n does the rest. */
+/* Writes m = R - I for the shortest rotation R from a to b at any angle. Beyond 90 degrees 1 / (1 + c) would magnify
+ * rounding errors, so R is a half turn H about the common normal n, from a to -a, and then a short rotation S. */
 static void shortest(smr_vec a, smr_vec b, float m[9])
 {
     if (smr_dot(a, b) >= 0.0f) {
@@ -60,18 +58,6 @@ static void shortest(smr_vec a, smr_vec b, float m[9])
                half[i] - (i % 4 == 0 ? 1.0f : 0.0f);
 }
 
-/* s = A^T A. */
-static void squared(const float a[9], float s[6])
-{
-    smr_vec c0 = smr_axis(a, 0), c1 = smr_axis(a, 1), c2 = smr_axis(a, 2);
-    s[SMR_XX] = smr_dot(c0, c0);
-    s[SMR_XY] = smr_dot(c0, c1);
-    s[SMR_XZ] = smr_dot(c0, c2);
-    s[SMR_YY] = smr_dot(c1, c1);
-    s[SMR_YZ] = smr_dot(c1, c2);
-    s[SMR_ZZ] = smr_dot(c2, c2);
-}
-
 void smr_polar(const float a[9], float v[9], float m[9])
 {
     float largest = 0.0f;
@@ -83,12 +69,12 @@ void smr_polar(const float a[9], float v[9], float m[9])
     float n[9], s[6], d[6];
     for (int i = 0; i < 9; i++)
         n[i] = a[i] / largest;
-    squared(n, s);
+    const smr_vec column[3] = {smr_axis(n, 0), smr_axis(n, 1), smr_axis(n, 2)};
+    smr_products(column, column, s); /* A^T A */
     smr_congruence(s, v, d);
     smr_jacobi(d, v, SMR_SWEEPS_WARM);
     orthonormalise(v);
-    /* k: the smallest eigenvalue. i, j, k is an even permutation, so that (vi, vj, vk) stays a proper rotation. The
-     * two larger directions determine R; the third one follows by a cross product. */
+    /* k is the smallest eigenvalue; directions i and j determine R. (vi, vj, vk) is a proper rotation. */
     int k = d[SMR_XX] <= d[SMR_YY] && d[SMR_XX] <= d[SMR_ZZ] ? 0 : (d[SMR_YY] <= d[SMR_ZZ] ? 1 : 2);
     int i = (k + 1) % 3, j = (k + 2) % 3;
     smr_vec vi = smr_axis(v, i), vj = smr_axis(v, j), vk = smr_axis(v, k);

@@ -1,20 +1,19 @@
 /* similarity_fit.c: least-squares rigid and scaled transforms between corresponding points.
- * Source: Horn, Hilden, Negahdaripour 1988; the rotation by polar decomposition and two Newton steps.
+ * Source: Horn, Hilden, Negahdaripour 1988. The rotation is found by polar decomposition and two Newton steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_FIT_OPEN 1.0e-4f /* axes whose curvature, relative to the largest, is below this are undetermined */
-#define SMR_FIT_NEAR 0.01f   /* rad: longer Newton steps are not taken (reflections, deficient ranks) */
+#define SMR_FIT_OPEN 1.0e-4f /* axes with less curvature than this, relative to the largest, are undetermined */
+#define SMR_FIT_NEAR 0.01f   /* longest Newton step, rad; reflections and deficient ranks would take longer ones */
 
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
 {
     *f = (smr_fit){.origin_from = origin_from, .origin_to = origin_to};
 }
 
-/* Adds a term to sum i with compensation (Neumaier 1974). Plain sums of a thousand products would move the end of a
- * bone by a micrometre. */
+/* Adds a term to sum i with compensation (Neumaier 1974). Rounded sums would move the end of a bone by a micrometre. */
 static void add(smr_fit *f, uint32_t i, float term)
 {
     const float before = f->sum[i], sum = before + term;
@@ -38,8 +37,8 @@ void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
     add(f, SMR_FIT_TO2, w * smr_dot(to, to));
 }
 
-/* A Newton step towards the rotation R for which R^T A is symmetric. The polar decomposition squares A, which costs
- * half of the digits of a long bone's rotation about its axis. Undetermined rotations stay as they are. */
+/* Moves r by a Newton step towards the rotation R for which R^T A is symmetric. The polar decomposition squares A,
+ * which costs half of the digits of a long bone's rotation about its axis. Undetermined rotations stay as they are. */
 static void sharpen(const float a[9], float r[9])
 {
     float m[9], turn[9], out[9], c[6], p[6];
@@ -52,9 +51,7 @@ static void sharpen(const float a[9], float r[9])
     c[SMR_XZ] = -0.5f * (m[2] + m[6]);
     c[SMR_YZ] = -0.5f * (m[5] + m[7]);
     smr_pseudo_inverse(c, SMR_FIT_OPEN, p);
-    const float full[9] = {p[SMR_XX], p[SMR_XY], p[SMR_XZ], p[SMR_XY], p[SMR_YY],
-                           p[SMR_YZ], p[SMR_XZ], p[SMR_YZ], p[SMR_ZZ]};
-    const smr_vec w = smr_mul(full, smr_v(m[7] - m[5], m[2] - m[6], m[3] - m[1]));
+    const smr_vec w = smr_mul_symmetric(p, smr_v(m[7] - m[5], m[2] - m[6], m[3] - m[1]));
     if (!(smr_dot(w, w) < SMR_FIT_NEAR * SMR_FIT_NEAR))
         return;
     smr_rodrigues(w, turn);
@@ -64,13 +61,13 @@ static void sharpen(const float a[9], float r[9])
     memcpy(r, out, sizeof out);
 }
 
-/* The weighted sum of products w a b, as if a and b were relative to their means. */
+/* Returns the sum of w a b with a and b relative to their means. */
 static float centred(const smr_fit *f, uint32_t product, uint32_t a, uint32_t b)
 {
     return f->sum[product] - f->sum[a] / f->weight * f->sum[b] + f->lost[product];
 }
 
-/* The weighted sum of squared distances from the mean, mm^2; a: index of the x sum. */
+/* Returns the sum of w |a - mean of a|^2, mm^2; a: index of the x sum. */
 static float spread(const smr_fit *f, uint32_t product, uint32_t a)
 {
     return centred(f, product, a, a) - f->sum[a + 1u] / f->weight * f->sum[a + 1u] -

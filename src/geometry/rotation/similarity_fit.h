@@ -1,11 +1,11 @@
-/* similarity_fit.h: the rigid or scaled pose that best maps one set of points onto another.
+/* similarity_fit.h: the rigid or scaled pose that maps points onto corresponding points with the least squared error.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SIMILARITY_FIT_H
 #define SMR_SIMILARITY_FIT_H
 
 #include "base/vec.h"
 
-/* a rotated and scaled by the pose, without its translation. */
+/* Returns the vector a rotated and scaled by the pose, without the pose's translation. */
 static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
 {
     return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
@@ -13,7 +13,7 @@ static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
                  p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
 }
 
-/* Adds a translation to a pose that has none, so that it maps `from` onto `to`. */
+/* Adds to a pose without a translation the translation with which the pose maps `from` onto `to`. */
 static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
 {
     const smr_vec shift = smr_sub(to, smr_pose_apply(p, from));
@@ -25,22 +25,22 @@ static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
 /* Indexes of the sums in smr_fit. */
 enum { SMR_FIT_FROM = 0, SMR_FIT_TO = 3, SMR_FIT_CROSS = 6, SMR_FIT_FROM2 = 15, SMR_FIT_TO2, SMR_FIT_SUMS };
 
-/* Sums over weighted pairs (from, to), points relative to the origins. */
+/* Sums over pairs of points (from, to) with weights w; points are relative to the origins. */
 typedef struct smr_fit {
     smr_vec origin_from, origin_to; /* mm */
-    float sum[SMR_FIT_SUMS];        /* w from, w to, w to from^T (row-major), w |from|^2, w |to|^2 */
-    float lost[SMR_FIT_SUMS];       /* rounding errors of these sums */
+    float sum[SMR_FIT_SUMS];        /* sums of w from, w to, w to from^T (row-major), w |from|^2, w |to|^2 */
+    float lost[SMR_FIT_SUMS];       /* rounding errors of sum[] */
     float weight;                   /* sum of w */
 } smr_fit;
 
-/* Clears the sums. The origins should lie near the points, so that coordinates far from 0 lose no digits. */
+/* Clears the sums. Origins near the points keep the digits of coordinates far from 0. */
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
 
 /* Adds one pair of points with weight w > 0. */
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w);
 
-/* The pose that minimises sum w |pose(from) - to|^2. With scaled not 0 it has a scale, sqrt(spread of to / spread
- * of from). The rotation is the identity where the pairs do not determine it. */
+/* Returns the pose that minimises sum w |pose(from) - to|^2; scaled not 0: with the scale sqrt(variance of to /
+ * variance of from). Where the pairs do not determine the rotation, it is the identity. */
 smr_pose smr_fit_solve(const smr_fit *f, int scaled);
 
 #endif

@@ -1,4 +1,4 @@
-/* mesh.c: validation of triangle meshes, and vertex normals and areas.
+/* mesh.c: checks of triangle meshes, and vertex normals and areas.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/mesh.h"
 #include "base/bytes.h"
@@ -10,12 +10,10 @@ smr_status smr_mesh_check(const smr_mesh *mesh)
         return SMR_E_NULL;
     if (mesh->n_vertices == 0u || mesh->n_vertices > SMR_VERTICES_MAX || mesh->n_triangles > SMR_TRIANGLES_MAX)
         return SMR_E_INPUT;
-    if (!smr_all_within(mesh->xyz, 3u * (size_t)mesh->n_vertices, SMR_COORD_MAX))
-        return SMR_E_INPUT;
+    int legal = smr_all_within(mesh->xyz, 3u * (size_t)mesh->n_vertices, SMR_COORD_MAX);
     for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++)
-        if (mesh->triangles[i] >= mesh->n_vertices)
-            return SMR_E_INPUT;
-    return SMR_OK;
+        legal &= mesh->triangles[i] < mesh->n_vertices;
+    return legal ? SMR_OK : SMR_E_INPUT;
 }
 
 void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t first, uint32_t last, float *normal,
@@ -36,16 +34,15 @@ void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t f
 
 void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area)
 {
-    for (size_t i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
-        normal[i] = 0.0f;
-    for (uint32_t i = 0; area != NULL && i < mesh->n_vertices; i++)
-        area[i] = 0.0f;
+    memset(normal, 0, 3u * (size_t)mesh->n_vertices * sizeof *normal);
+    if (area != NULL)
+        memset(area, 0, mesh->n_vertices * sizeof *area);
     smr_mesh_add_normals(mesh->xyz, mesh->triangles, 0, mesh->n_triangles, normal, area);
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
         smr_put3(normal, i, smr_unit(smr_get3(normal, i)));
 }
 
-/* An edge's share of the sum: opposite for the two ways along it. */
+/* Returns the hash of the edge from a to b; the edge from b to a has the opposite hash. */
 static uint64_t edge(uint32_t a, uint32_t b)
 {
     const uint64_t mixed = a < b ? smr_mix((uint64_t)a << 32 | b) : smr_mix((uint64_t)b << 32 | a);

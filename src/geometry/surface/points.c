@@ -1,14 +1,13 @@
-/* points.c: a cloud of points as a ring: in a full cloud new points replace the oldest ones. Clouds have no search
- * tree, so adding a point has constant cost.
- * For start poses and measures a cloud becomes a surface with a search tree: each point is a triangle without area and
- * has the point's normal. Forces need no search in a cloud.
- * Bounds: one pass over the added points; those of a surface with as many triangles as points.
+/* points.c: a cloud of points as a ring: in a full cloud new points replace the oldest ones. A cloud has no search
+ * tree, so adding a point has constant cost. For start poses and measures a cloud is copied into a surface with a
+ * search tree, in which each point is a triangle without area that has the point's normal.
+ * Bounds: one pass over the added points; the copy is built as a surface with as many triangles as points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/points.h"
 #include "base/arena.h"
 
-#define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal counts as none */
-#define SMR_NORMAL_MOST 1.0e3f   /* largest entry of a normal */
+#define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal counts as no normal */
+#define SMR_NORMAL_MOST 1.0e3f   /* largest absolute entry of a normal */
 
 _Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 8u * SMR_ALIGN, "SMR_POINTS_BYTES is too small");
 
@@ -59,7 +58,7 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
     return SMR_OK;
 }
 
-/* The unit normal, or 0 for none. Returns 0 when the normal is not finite or too large. */
+/* Writes the unit normal, or 0 for no normal. Returns 0 when the normal is not finite or too large. */
 static int take_normal(const float *normal, smr_vec *unit)
 {
     *unit = smr_v(0, 0, 0);
@@ -75,6 +74,12 @@ static int take_normal(const float *normal, smr_vec *unit)
 
 static int legal_weight(float weight) { return weight >= 0.0f && weight <= SMR_WEIGHT_MAX; }
 
+/* Returns SMR_OK for points that smr_points_open() has opened. */
+static smr_status usable(const smr_points *points)
+{
+    return points == NULL ? SMR_E_NULL : smr_points_valid(points) ? SMR_OK : SMR_E_STATE;
+}
+
 static int can_add(const float *xyz, const float *normals, const float *weights, uint32_t n)
 {
     smr_vec unit;
@@ -88,10 +93,10 @@ static int can_add(const float *xyz, const float *normals, const float *weights,
 
 smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n)
 {
-    if (points == NULL || (xyz == NULL && n > 0u))
+    if (xyz == NULL && n > 0u)
         return SMR_E_NULL;
-    if (!smr_points_valid(points))
-        return SMR_E_STATE;
+    if (usable(points) != SMR_OK)
+        return usable(points);
     smr_surface *s = &points->surface;
     if (n > s->capacity || !can_add(xyz, normals, weights, n))
         return SMR_E_INPUT;
@@ -111,10 +116,8 @@ smr_status smr_points_add(smr_points *points, const float *xyz, const float *nor
 
 smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight)
 {
-    if (points == NULL)
-        return SMR_E_NULL;
-    if (!smr_points_valid(points))
-        return SMR_E_STATE;
+    if (usable(points) != SMR_OK)
+        return usable(points);
     if (index >= points->surface.n_vertices || !legal_weight(weight))
         return SMR_E_INPUT;
     points->surface.area[index] = weight;
@@ -124,10 +127,8 @@ smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight)
 
 smr_status smr_points_clear(smr_points *points)
 {
-    if (points == NULL)
-        return SMR_E_NULL;
-    if (!smr_points_valid(points))
-        return SMR_E_STATE;
+    if (usable(points) != SMR_OK)
+        return usable(points);
     points->next = points->surface.n_vertices = 0;
     points->surface.changes++;
     return SMR_OK;
@@ -135,12 +136,11 @@ smr_status smr_points_clear(smr_points *points)
 
 smr_status smr_points_count(const smr_points *points, uint32_t *n)
 {
-    if (points == NULL || n == NULL)
+    if (n == NULL)
         return SMR_E_NULL;
-    if (!smr_points_valid(points))
-        return SMR_E_STATE;
-    *n = points->surface.n_vertices;
-    return SMR_OK;
+    if (usable(points) == SMR_OK)
+        *n = points->surface.n_vertices;
+    return usable(points);
 }
 
 static size_t index_bytes(uint32_t n) { return 3u * (size_t)n * sizeof(uint32_t); }
@@ -159,10 +159,10 @@ smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes)
 smr_status smr_points_surface_begin(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
 {
     size_t needed;
-    if (points == NULL || memory == NULL || surface == NULL)
+    if (memory == NULL || surface == NULL)
         return SMR_E_NULL;
-    if (!smr_points_valid(points))
-        return SMR_E_STATE;
+    if (usable(points) != SMR_OK)
+        return usable(points);
     const smr_surface *cloud = &points->surface;
     const uint32_t n = cloud->n_vertices;
     smr_status status = smr_points_surface_bytes(n, &needed);

@@ -7,43 +7,42 @@
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/surface/mesh.h"
 
-/* State of building or refitting a surface. */
+/* Progress of building or refitting a surface. */
 typedef struct smr_surface_work {
-    smr_mesh mesh;                   /* the caller's mesh; for a refit: its positions, with the surface's triangles */
-    uint32_t stage, at;              /* current stage of the list, and its progress */
-    uint32_t refit;                  /* 1: only positions are new */
-    uint32_t *index;                 /* of a cloud's copy: [n][3], triangle k is point k; NULL: a mesh */
+    smr_mesh mesh;      /* the caller's mesh; in a refit only its positions are read */
+    uint32_t stage, at; /* current stage of the list; items of that stage done so far */
+    uint32_t refit;     /* 1: only positions are new */
+    uint32_t refused;   /* 1: a stage has found illegal input */
+    uint32_t *index;    /* [n][3] triangles of a cloud's copy: triangle k is point k; NULL: a mesh is built */
     const struct smr_surface *cloud; /* cloud whose normals and weights are copied */
     uint32_t changes;                /* change counter of the cloud when the build began */
-    smr_box box;                     /* box around the vertices so far, mm */
-    float area;                      /* area of the surface so far, mm^2 */
-    smr_order order;
-    float *middle;       /* [n_triangles][3] centres of triangles */
-    uint32_t *key, *tmp; /* [n_triangles], [2 n_triangles] scratch of sorts */
-    /* [n_vertices + 1] first triangle around each vertex; then a flag of each vertex; then a triangle of each */
-    uint32_t *start;
+    smr_box box;                     /* box around the vertices checked so far, mm */
+    float area;                      /* area of the triangles summed so far, mm^2 */
+    smr_order order;                 /* sort of the triangles into tree order */
+    float *middle;                   /* [n_triangles][3] centres of triangles, mm */
+    uint32_t *key, *tmp;             /* [n_triangles], [2 n_triangles] scratch of sorts */
+    uint32_t *start;  /* [n_vertices + 1] first entry of each vertex in around[]; then a flag; then a triangle */
     uint32_t *around; /* [at least 3 n_triangles] triangles around the vertices */
 } smr_surface_work;
 
 struct smr_surface {
     uint32_t magic; /* SMR_SURFACE_MAGIC; SMR_SURFACE_BUSY while the surface is built or refitted */
     uint32_t n_vertices;
-    uint32_t open;       /* 1: some edge has only one triangle, small components excepted; a cloud is open, too */
-    uint32_t n_used;     /* vertices with triangles, without small components */
-    uint32_t n_fragment; /* triangles of small components, which registration ignores */
+    uint32_t open;       /* 1: an edge outside stray components has only one triangle, or the surface is a cloud */
+    uint32_t n_used;     /* vertices with triangles outside stray components */
+    uint32_t n_fragment; /* triangles of stray components, which registration ignores */
     uint32_t n_fragment_vertices;
-    uint32_t capacity;  /* most points of a cloud (points.h); 0: a mesh */
-    uint32_t changes;   /* number of changes of a cloud's points, or of refits of a mesh */
-    float area_mean;    /* mean of area[], mm^2 */
-    smr_vec origin;     /* mm, whole numbers: centre of the bounding box; positions are relative to it */
-    float *xyz;         /* [n_vertices][3] mm from origin, in the caller's order */
-    float *normal;      /* [n_vertices][3] unit vertex normals */
-    float *area;        /* [n_vertices] a third of the area of the adjacent triangles, mm^2; 0 in small components */
-    uint32_t *triangle; /* [n_triangles][3] vertex indexes, in tree order */
-    uint32_t *original; /* [n_triangles] the caller's index of each triangle */
-    /* [n_triangles] bit k: edge k..k+1 is a border edge; bit 3+k: corner k lies on one; SMR_SKIPPED: small component */
-    unsigned char *border;
-    smr_box_tree tree; /* the arrays above as a box tree */
+    uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
+    uint32_t changes;      /* number of changes of a cloud's points, or of refits of a mesh */
+    float area_mean;       /* mean of area[], mm^2 */
+    smr_vec origin;        /* mm, whole numbers: centre of the bounding box, from which xyz[] counts */
+    float *xyz;            /* [n_vertices][3] mm from origin, in the caller's order */
+    float *normal;         /* [n_vertices][3] unit vertex normals */
+    float *area;           /* [n_vertices] a third of the area of the adjacent triangles, mm^2; 0 in stray components */
+    uint32_t *triangle;    /* [n_triangles][3] vertex indexes, in tree order */
+    uint32_t *original;    /* [n_triangles] the caller's index of each triangle */
+    unsigned char *border; /* [n_triangles] bit k: edge k..k+1 on a border; 3+k: corner k; SMR_SKIPPED */
+    smr_box_tree tree;     /* box tree over the arrays above */
     smr_surface_work work;
 };
 
@@ -56,26 +55,26 @@ static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; 
 /* Returns 1 for a complete surface. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }
 
-/* Returns 1 for a vertex of a small component. */
+/* Returns 1 for a vertex of a stray component. */
 static inline int smr_surface_fragment(const smr_surface *s, uint32_t v)
 {
     return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && (s->border[s->work.start[v]] & SMR_SKIPPED) != 0u;
 }
 
-/* Finds the closest acceptable triangle outside small components. */
+/* Finds the closest acceptable triangle outside stray components. */
 static inline void smr_surface_search(const smr_surface *s, const smr_query *q, smr_hit *hit)
 {
     smr_tree_closest_but(&s->tree, s->n_fragment > 0u ? s->border : NULL, q, hit);
 }
 
-/* Stages of a build that find small components; the last one belongs to a refit, too. */
-int smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last); /* items are vertices */
-int smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last);   /* items are triangles */
-int smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last);
-int smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last);
-int smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last); /* items are vertices */
+/* Stages of a build that find stray components, over the items first .. last-1. A refit runs the last stage, too. */
+void smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last);  /* vertices */
+void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
+void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */
+void smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
+void smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last); /* vertices */
 
-/* 1 when the point with these barycentric weights on this triangle lies on a border edge. */
+/* Returns 1 when the point with these barycentric weights on the triangle lies on an edge of one triangle. */
 uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3]);
 
 #endif

@@ -1,16 +1,16 @@
-/* surface_build.c: builds a target surface in the caller's memory: a copy in tree order, normals, areas, border
- * edges, box tree; and refits it to new positions of the same triangles. Both are lists of stages, each a loop over
- * vertices, triangles or nodes that can stop after any item without a change of the result.
- * Bounds: SMR_SURFACE_ITEMS items between two readings of the clock. A border edge's time is that of the triangles
- * around its vertex with fewer triangles.
+/* surface_build.c: builds a target surface in the caller's memory (a copy in tree order, normals, areas, border edges,
+ * box tree), and refits a surface to new positions. Both are lists of stages. A stage is a loop over vertices,
+ * triangles or nodes that can stop after any item without a change of the result.
+ * Bounds: SMR_SURFACE_ITEMS items between two readings of the clock. The search for an edge's triangles visits the
+ * triangles around one of its vertices.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
 
-#define SMR_SURFACE_ITEMS 256u /* items of a unit of work */
-#define SMR_SURFACE_EDGES 4u   /* items that counting a triangle's edges is worth */
-#define SMR_SURFACE_LEAF 16u   /* items that a leaf of the tree is worth */
-#define SMR_SURFACE_NODE 32u   /* items that a node above the leaves is worth */
+#define SMR_SURFACE_ITEMS 256u /* items in a unit of work */
+#define SMR_SURFACE_EDGES 4u   /* cost, in items, of counting the triangles of a triangle's edges */
+#define SMR_SURFACE_LEAF 16u   /* cost, in items, of a leaf of the tree */
+#define SMR_SURFACE_NODE 32u   /* cost, in items, of a node above the leaves */
 
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
 {
@@ -27,12 +27,11 @@ static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *
     s->work.key = smr_arena_take(a, nt, sizeof(uint32_t));
     s->work.tmp = smr_arena_take(a, nt, 2 * sizeof(uint32_t));
     s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
-    /* until it holds triangles: counts of a sort, SMR_ORDER_BYTES for more than SMR_ORDER_SMALL triangles */
-    s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
+    s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t)); /* holds the counts of a sort first */
     return self;
 }
 
-_Static_assert(3u * SMR_ORDER_SMALL >= SMR_ORDER_BYTES, "a sort's counts lie over triangles around vertices");
+_Static_assert(3u * SMR_SORT_SMALL >= SMR_SORT_BYTES, "a sort's counts lie over triangles around vertices");
 
 smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes)
 {
@@ -53,8 +52,8 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
 static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
 {
     const uint32_t *const start = s->work.start;
-    uint32_t count = 0;
     const int fewer = start[w + 1u] - start[w] < start[v + 1u] - start[v];
+    uint32_t count = 0;
     const uint32_t one = fewer ? w : v, other = fewer ? v : w;
     for (uint32_t i = start[one]; i < start[one + 1u] && count < 2u; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[i];
@@ -63,35 +62,31 @@ static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
     return count;
 }
 
-/* ---- The stages: items first .. last-1. A stage returns 0 to refuse the input. ---- */
+/* ---- The stages, each over the items first .. last-1 ---- */
 
-typedef int stage_run(smr_surface *s, uint32_t first, uint32_t last);
+typedef void stage_run(smr_surface *s, uint32_t first, uint32_t last);
 
-static int check_vertices(smr_surface *s, uint32_t first, uint32_t last)
+static void check_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_box *const box = &s->work.box;
     for (uint32_t i = first; i < last; i++) {
         const smr_vec p = smr_get3(s->work.mesh.xyz, i);
-        if (!smr_within3(p, SMR_COORD_MAX))
-            return 0;
+        s->work.refused |= !smr_within3(p, SMR_COORD_MAX);
         if (i == 0u)
             box->lo = box->hi = p;
         box->lo = smr_low(box->lo, p);
         box->hi = smr_high(box->hi, p);
     }
-    return 1;
 }
 
-static int check_triangles(smr_surface *s, uint32_t first, uint32_t last)
+static void check_triangles(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
-        if (s->work.mesh.triangles[i] >= s->n_vertices)
-            return 0;
-    return 1;
+        s->work.refused |= s->work.mesh.triangles[i] >= s->n_vertices;
 }
 
-/* Copies positions, relative to the origin. */
-static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
+/* Copies positions relative to the origin; clears normals and areas. */
+static void copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     s->changes += first == 0u ? s->work.refit : 0u;
     s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
@@ -100,42 +95,36 @@ static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
         smr_put3(s->normal, i, smr_v(0, 0, 0));
         s->area[i] = 0.0f;
     }
-    return 1;
 }
 
-static int find_centres(smr_surface *s, uint32_t first, uint32_t last)
+static void find_centres(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_surface_work *const w = &s->work;
     smr_mesh_centres(&w->mesh, w->middle, s->original, first, last);
     if (last == s->tree.n_triangles)
         smr_order_start(&w->order, last, w->middle, s->original, w->key, w->tmp, w->around);
-    return 1;
 }
 
-/* Sorts the triangles into the tree's order, a part at each call. Returns 1 at the end, 2 while more is left. */
-static int find_order(smr_surface *s, uint32_t first, uint32_t last)
+/* Continues the sort of the triangles into tree order. The stage's one item stays open until the sort is complete. */
+static void find_order(smr_surface *s, uint32_t first, uint32_t last)
 {
-    (void)first;
-    (void)last;
-    return smr_order_step(&s->work.order, SMR_SURFACE_ITEMS) ? 1 : 2;
+    s->work.at = smr_order_step(&s->work.order, SMR_SURFACE_ITEMS) ? last : first;
 }
 
-static int copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
+static void copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
         memcpy(s->triangle + 3u * (size_t)k, s->work.mesh.triangles + 3u * (size_t)s->original[k],
                3u * sizeof(uint32_t));
-    return 1;
 }
 
-static int add_normals(smr_surface *s, uint32_t first, uint32_t last)
+static void add_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_mesh_add_normals(s->xyz, s->triangle, first, last, s->normal, s->area);
-    return 1;
 }
 
-/* Normalises the normals and sums the mean area. Vertices without triangles do not count. */
-static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
+/* Normalises the vertex normals and sums the areas. */
+static void unit_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
     if (first == 0u)
         s->work.area = 0.0f;
@@ -143,26 +132,22 @@ static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
         smr_put3(s->normal, i, smr_unit(smr_get3(s->normal, i)));
         s->work.area += s->area[i];
     }
-    return 1;
 }
 
-/* Prepares the triangles around vertices: counts, then ends of ranges, then from the back the ranges. */
-static int clear_counts(smr_surface *s, uint32_t first, uint32_t last)
+/* Four stages list the triangles around each vertex: counts, ends of ranges, then the ranges from the back. */
+static void clear_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t v = first; v < last; v++)
+    for (uint32_t v = first; v <= last; v++)
         s->work.start[v] = 0;
-    s->work.start[last] = 0;
-    return 1;
 }
 
-static int count_corners(smr_surface *s, uint32_t first, uint32_t last)
+static void count_corners(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
         s->work.start[s->triangle[i]]++;
-    return 1;
 }
 
-static int sum_counts(smr_surface *s, uint32_t first, uint32_t last)
+static void sum_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
     uint32_t *const start = s->work.start;
     for (uint32_t v = first; v < last; v++) {
@@ -170,19 +155,17 @@ static int sum_counts(smr_surface *s, uint32_t first, uint32_t last)
         start[v] += v > 0u ? start[v - 1u] : 0u;
     }
     start[last] += last == s->n_vertices ? start[last - 1u] : 0u;
-    return 1;
 }
 
-static int list_triangles(smr_surface *s, uint32_t first, uint32_t last)
+static void list_triangles(smr_surface *s, uint32_t first, uint32_t last)
 {
     const uint32_t nt = s->tree.n_triangles;
     for (size_t i = 3u * (size_t)(nt - first); i-- > 3u * (size_t)(nt - last);)
         s->work.around[--s->work.start[s->triangle[i]]] = (uint32_t)(i / 3u);
-    return 1;
 }
 
-/* Finds border edges, then the corners on them. */
-static int find_borders(smr_surface *s, uint32_t first, uint32_t last)
+/* Finds the edges of one triangle. Two more stages find the corners on such edges. */
+static void find_borders(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
         const uint32_t *t = s->triangle + 3u * (size_t)k;
@@ -191,62 +174,56 @@ static int find_borders(smr_surface *s, uint32_t first, uint32_t last)
             if (edge_count(s, t[e], t[(e + 1u) % 3u]) == 1u)
                 s->border[k] |= (unsigned char)(1u << e);
     }
-    return 1;
 }
 
-static int mark_borders(smr_surface *s, uint32_t first, uint32_t last)
+static void mark_borders(smr_surface *s, uint32_t first, uint32_t last)
 {
     uint32_t *const flag = s->work.start;
     for (uint32_t k = first; k < last; k++)
         for (uint32_t e = 0; e < 3u; e++)
             if ((uint32_t)s->border[k] >> e & 1u)
                 flag[s->triangle[3u * (size_t)k + e]] = flag[s->triangle[3u * (size_t)k + (e + 1u) % 3u]] = 1u;
-    return 1;
 }
 
-static int find_corners(smr_surface *s, uint32_t first, uint32_t last)
+static void find_corners(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
         for (uint32_t c = 0; c < 3u; c++)
             if (s->work.start[s->triangle[3u * (size_t)k + c]])
                 s->border[k] |= (unsigned char)(8u << c);
-    return 1;
 }
 
-/* A cloud's copy: each point is a triangle without an area. */
-static int index_points(smr_surface *s, uint32_t first, uint32_t last)
+/* Makes each point of a cloud's copy a triangle without area. */
+static void index_points(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
         s->work.index[i] = (uint32_t)(i / 3u);
-    return 1;
 }
 
-/* Copies the cloud's normals and weights. Refused when the cloud has changed since the build began. */
-static int copy_cloud(smr_surface *s, uint32_t first, uint32_t last)
+/* Copies the cloud's normals and weights. Refuses a cloud that has changed since the build began. */
+static void copy_cloud(smr_surface *s, uint32_t first, uint32_t last)
 {
     const smr_surface *cloud = s->work.cloud;
     const size_t at = first, n = last - first;
-    if (cloud->changes != s->work.changes)
-        return 0;
+    s->work.refused = cloud->changes != s->work.changes;
+    if (s->work.refused)
+        return;
     memcpy(s->normal + 3u * at, cloud->normal + 3u * at, 3u * n * sizeof(float));
     memcpy(s->area + at, cloud->area + at, n * sizeof(float));
     memset(s->border + at, 0, n);
     for (size_t k = at; k < last; k++)
         memcpy(s->tree.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
-    return 1;
 }
 
-static int refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
+static void refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_tree_refit_leaves(&s->tree, first, last);
-    return 1;
 }
 
-static int refit_nodes(smr_surface *s, uint32_t first, uint32_t last)
+static void refit_nodes(smr_surface *s, uint32_t first, uint32_t last)
 {
     const uint32_t leaves = smr_tree_leaves(&s->tree);
     smr_tree_refit_nodes(&s->tree, leaves + first, leaves + last);
-    return 1;
 }
 
 /* ---- The list ---- */
@@ -255,8 +232,9 @@ enum { OF_VERTICES = 0, OF_TRIANGLES, OF_LEAVES, OF_NODES, OF_ONE };
 
 static const struct {
     stage_run *run;
-    uint16_t of, when; /* when: 1: also for a refit; 2: only for a cloud's copy */
-    uint32_t cost;     /* cost of an item */
+    uint16_t of;   /* OF_...: the items of the stage */
+    uint16_t when; /* 0: builds; 1: builds and refits; 2: copies of clouds */
+    uint32_t cost; /* cost of an item, in items */
 } stages[] = {
     {index_points, OF_TRIANGLES, 2, 1},
     {check_vertices, OF_VERTICES, 1, 1},
@@ -298,7 +276,7 @@ static uint32_t items_of(const smr_surface *s, uint32_t stage)
     }
 }
 
-/* Continues with the next stage that this work needs. */
+/* Advances to the next stage that this build or refit needs. */
 static void skip_stages(smr_surface_work *w)
 {
     for (; w->stage < SMR_SURFACE_STAGES; w->stage++)
@@ -310,13 +288,12 @@ static void skip_stages(smr_surface_work *w)
 static smr_status run_unit(smr_surface *s)
 {
     smr_surface_work *const w = &s->work;
-    const uint32_t n = items_of(s, w->stage), most = SMR_SURFACE_ITEMS / stages[w->stage].cost;
-    const uint32_t last = smr_min_u32(n, w->at + most);
-    const int said = w->at < n ? stages[w->stage].run(s, w->at, last) : 1;
-    if (said == 0)
+    const uint32_t n = items_of(s, w->stage), first = w->at;
+    w->at = smr_min_u32(n, first + SMR_SURFACE_ITEMS / stages[w->stage].cost);
+    if (first < n)
+        stages[w->stage].run(s, first, w->at);
+    if (w->refused)
         return SMR_E_INPUT;
-    if (said == 1)
-        w->at = last;
     if (w->at < n)
         return SMR_PARTIAL;
     w->at = 0;
@@ -344,7 +321,7 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
     const uint64_t begin = timed ? port->now_ns(port->ctx) : 0u;
     for (uint32_t done = 1;; done++) {
         const smr_status status = run_unit(surface);
-        if (status < 0) { /* refused: a build leaves nothing, a refit leaves the old surface */
+        if (status < 0) { /* a refused build leaves nothing, a refused refit leaves the old surface */
             surface->work.stage = SMR_SURFACE_STAGES;
             surface->magic = surface->work.refit ? SMR_SURFACE_MAGIC : 0u;
         }
@@ -392,7 +369,7 @@ smr_status smr_surface_refit(smr_surface *surface, const float *xyz)
     if (!smr_surface_valid(surface) || smr_is_cloud(surface))
         return SMR_E_STATE;
     surface->magic = SMR_SURFACE_BUSY;
-    surface->work.stage = surface->work.at = 0;
+    surface->work.stage = surface->work.at = surface->work.refused = 0;
     surface->work.refit = 1;
     surface->work.mesh.xyz = xyz;
     return SMR_OK;

@@ -1,8 +1,7 @@
 /* surface_contact.c: overlap of two closed surfaces: deepest penetration, overlapping volume, area in contact. Depth
- * and area come from samples of both surfaces: vertices, and three points in each near triangle. A triangle whose
- * centre is farther out than its corners are from it is skipped. The volume comes from lines along the longest axis
- * through a grid over the possible overlap; the length inside both surfaces is exact on each line.
- * Bounds: four searches a triangle, one a vertex; SMR_LINES lines of two passes through a tree.
+ * and area are measured at the vertices of both surfaces and at three points of each triangle that can reach the
+ * other surface. The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact.
+ * Bounds: four searches a triangle, one a vertex; SMR_LINES^2 lines of two passes through a tree.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/signed_distance.h"
 #include "geometry/surface/surface.h"
@@ -13,33 +12,33 @@
 #define SMR_LINE_MM 0.25f     /* smallest distance between two lines, mm */
 #define SMR_CROSSINGS 64u     /* most crossings of a line with one surface */
 
-/* A measurement: surface a within and near b. */
+/* A measurement of surface a inside and near surface b. */
 typedef struct sweep {
     const smr_surface *a, *b;
-    smr_vec shift;  /* from a's origin to b's */
-    smr_box near;   /* box around all triangles of a that can reach into b, mm from a's origin */
-    smr_box around; /* box of b, from b's origin */
-    float within;   /* distance that counts as contact, mm */
-    float deepest, area;
+    smr_vec shift;       /* vector from a's origin to b's, mm */
+    smr_box near;        /* box around all triangles of a that can reach into b, mm from a's origin */
+    smr_box around;      /* box around b, mm from b's origin */
+    float within;        /* largest distance that counts as contact, mm */
+    float deepest, area; /* largest depth in b, mm; area in contact, mm^2 */
 } sweep;
 
 /* A crossing of a line with a surface. */
 typedef struct crossing {
-    float at; /* mm along the line */
-    int turn; /* 1: into surface a; -1: out of a; 2, -2: the same of b */
+    float at; /* position along the line, mm */
+    int turn; /* 1: into surface a; -1: out of a; 2: into b; -2: out of b */
 } crossing;
 
 typedef struct line {
-    uint32_t u, v, w; /* axes across the line and along it */
-    float pu, pv;     /* position of the line across it */
-    uint32_t n;
-    crossing list[2u * SMR_CROSSINGS];
+    uint32_t u, v, w;                  /* the two axes across the line, and the axis along it */
+    float pu, pv;                      /* coordinates of the line on the axes u and v, mm */
+    uint32_t n;                        /* crossings found */
+    crossing list[2u * SMR_CROSSINGS]; /* [n] crossings, ascending */
 } line;
 
 static float axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis == 1u ? p.y : p.z; }
 
-/* The side on which the line passes the edge from vertex i to k: 1 or -1, and the opposite for the edge from k to i.
- * So a line leaves no gap between two triangles and meets no edge twice. */
+/* Returns the side, 1 or -1, on which the line passes the edge from vertex i to k; the edge from k to i has the other
+ * side. So a line that meets a shared edge crosses exactly one of the two triangles. */
 static int beside(const smr_surface *s, const line *l, smr_vec shift, uint32_t i, uint32_t k)
 {
     const uint32_t lo = smr_min_u32(i, k), hi = smr_max_u32(i, k);
@@ -65,27 +64,25 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
     const int turn = beside(s, l, shift, t[0], t[1]);
     if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
         return;
-    const smr_vec a = smr_add(smr_get3(s->xyz, t[0]), shift), b = smr_add(smr_get3(s->xyz, t[1]), shift),
-                  c = smr_add(smr_get3(s->xyz, t[2]), shift);
+    const smr_corner_values at_origin = smr_corners_of(s->xyz, t);
+    const smr_vec a = smr_add(at_origin.a, shift), b = smr_add(at_origin.b, shift), c = smr_add(at_origin.c, shift);
     const smr_vec n = smr_triangle_cross(a, b, c);
     const float along = axis_of(n, l->w);
     const float low = smr_min(axis_of(a, l->w), smr_min(axis_of(b, l->w), axis_of(c, l->w))),
                 high = smr_max(axis_of(a, l->w), smr_max(axis_of(b, l->w), axis_of(c, l->w)));
-    float at = 0.5f * (low + high);
-    if (smr_abs(along) > 0.0f)
-        at = axis_of(a, l->w) +
-             (axis_of(n, l->u) * (axis_of(a, l->u) - l->pu) + axis_of(n, l->v) * (axis_of(a, l->v) - l->pv)) / along;
+    const float rise = axis_of(n, l->u) * (axis_of(a, l->u) - l->pu) + axis_of(n, l->v) * (axis_of(a, l->v) - l->pv);
+    const float at = smr_abs(along) > 0.0f ? axis_of(a, l->w) + rise / along : 0.5f * (low + high);
     add_crossing(l, smr_clamp(at, low, high), turn > 0 ? -weight : weight);
 }
 
-/* All crossings of a line with a surface, moved by shift. */
+/* Adds all crossings of the line with a surface that is moved by `shift`, mm. */
 static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
 {
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     const smr_box_tree *f = &s->tree;
     const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
-    uint32_t top = 0;
-    stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
+    uint32_t top = 1;
+    stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
         const smr_node *node = &f->node[f->level[level] + index];
@@ -101,8 +98,8 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     }
 }
 
-/* Returns 1 when surface s winds around p, relative to its origin. With folds the closest point may have the wrong
- * side, but the winding number is right. */
+/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0. Unlike the side of the closest
+ * triangle, the winding number is right near folds, too. */
 static int is_inside(const smr_surface *s, smr_vec p)
 {
     line l = {1, 2, 0, p.y, p.z, 0, {{0, 0}}};
@@ -113,7 +110,7 @@ static int is_inside(const smr_surface *s, smr_vec p)
     return winding != 0;
 }
 
-/* Signed distance of p, relative to b's origin; `most` when farther. */
+/* Returns the signed distance, mm, of p (mm from b's origin) to b; `most` where p is farther away. */
 static float side_of(const sweep *s, smr_vec p, float most)
 {
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
@@ -128,6 +125,7 @@ static float side_of(const sweep *s, smr_vec p, float most)
     return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
 }
 
+/* Measures triangle k of a, unless its centre is too far from b for any of its points to reach b. */
 static void sample_triangle(sweep *s, uint32_t k)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;
@@ -178,7 +176,7 @@ static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
     return s;
 }
 
-/* The length of a line inside both surfaces. */
+/* Returns the length, mm, of the line inside both surfaces. */
 static float length_inside(const line *l)
 {
     int in_a = 0, in_b = 0;

@@ -1,20 +1,19 @@
-/* surface_fragments.c: finds small components of a target surface, such as a scanner or a reconstruction leaves.
- * Triangles belong together by common vertices. An open component of very few triangles is a fragment; if fragments
- * are a large part of all triangles, none is. Registration ignores fragments: they are not found, do not attract,
- * and do not open a closed surface. Closed components stay, whatever their size.
+/* surface_fragments.c: finds stray components of a target surface, such as a scanner or a reconstruction leaves.
+ * Triangles with a common vertex belong to one component. A fragment is an open component of very few triangles, unless
+ * fragments are a large part of all triangles. Registration ignores fragments: searches do not find them, they do not
+ * attract, and they do not open a closed surface.
  * Method: union-find over triangles, united by size (Tarjan 1975).
  * Bounds: the stages of a surface's build; a path has at most log2(n_triangles) steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_FRAGMENT_PART 256u /* a component of at most 1 / this of all triangles is a fragment */
-/* fewest triangles of a surface with fragments: in a coarse one each triangle matters */
-#define SMR_FRAGMENT_LEAST 512u
-#define SMR_FRAGMENT_SHARE 8u /* fragments together are at most 1 / this of all triangles */
+#define SMR_FRAGMENT_PART 256u  /* a component of at most 1 / this of all triangles is a fragment */
+#define SMR_FRAGMENT_LEAST 512u /* a surface of fewer triangles has no fragments */
+#define SMR_FRAGMENT_SHARE 8u   /* fragments together are at most 1 / this of all triangles */
 
+/* [n_triangles] arrays of the union-find: the parent of each triangle; and of each component's root, the number of
+ * triangles and the number of triangles with a border edge. */
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
-
-/* Of a component's root: its triangles, and those of them with a border edge. */
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }
 
@@ -36,14 +35,13 @@ static void unite(smr_surface *s, uint32_t a, uint32_t b)
     edges(s)[more] += edges(s)[fewer];
 }
 
-int smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last)
+void smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last; v++)
         s->work.start[v] = SMR_NONE;
-    return 1;
 }
 
-int smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last)
+void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
         parent(s)[k] = k;
@@ -56,7 +54,6 @@ int smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last)
             unite(s, root(s, *one), root(s, k));
         }
     }
-    return 1;
 }
 
 static int is_fragment(const smr_surface *s, uint32_t r)
@@ -65,27 +62,25 @@ static int is_fragment(const smr_surface *s, uint32_t r)
            edges(s)[r] > 0u;
 }
 
-int smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
+void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
         if (parent(s)[k] == k && is_fragment(s, k))
             s->n_fragment += count(s)[k];
     if (last == s->tree.n_triangles && s->n_fragment > last / SMR_FRAGMENT_SHARE)
         s->n_fragment = 0;
-    return 1;
 }
 
-int smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last)
+void smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
         if (s->n_fragment > 0u && is_fragment(s, root(s, k)))
             s->border[k] |= SMR_SKIPPED;
         else
             s->open |= (s->border[k] & 7u) != 0u;
-    return 1;
 }
 
-int smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last)
+void smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last && s->n_fragment > 0u; v++) {
         if (!smr_surface_fragment(s, v))
@@ -95,5 +90,4 @@ int smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last)
         s->n_used -= !s->work.refit;
         s->n_fragment_vertices += !s->work.refit;
     }
-    return 1;
 }

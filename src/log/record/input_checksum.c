@@ -1,5 +1,4 @@
-/* input_checksum.c: checksums of inputs for the log, by which a replay detects other inputs. They are computed from
- * numbers, so they are equal on all processors, and cover the whole input.
+/* input_checksum.c: checksums of whole inputs for the log, by which a replay detects other inputs.
  * Bounds: one pass over points, triangles or voxels.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log_format.h"
@@ -17,16 +16,22 @@ static uint64_t add_points(uint64_t sum, const float *xyz, uint32_t n)
     return sum;
 }
 
+static uint64_t add_values(uint64_t sum, const float *value, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        sum = add(sum, smr_float_bits(value[i]));
+    return sum;
+}
+
+/* Returns the checksum of a whole input: 0 stands for no input. */
 static uint64_t closed(uint64_t sum) { return sum == 0u ? 1u : sum; }
 
 uint64_t smr_points_checksum(const float *xyz, uint32_t n) { return closed(add_points(n, xyz, n)); }
 
 static uint64_t add_cloud(const smr_surface *s)
 {
-    uint64_t sum = add_points(add_points(s->n_vertices, s->xyz, s->n_vertices), s->normal, s->n_vertices);
-    for (size_t i = 0; i < s->n_vertices; i++)
-        sum = add(sum, smr_float_bits(s->area[i]));
-    return sum;
+    const uint64_t sum = add_points(add_points(s->n_vertices, s->xyz, s->n_vertices), s->normal, s->n_vertices);
+    return add_values(sum, s->area, s->n_vertices);
 }
 
 uint64_t smr_cloud_checksum(const smr_points *points) { return closed(add_cloud(&points->surface)); }
@@ -38,23 +43,18 @@ uint64_t smr_target_checksum(const smr_surface *surface)
 
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)
 {
-    uint64_t sum = add_points(n, goals->xyz, n);
-    for (uint32_t i = 0; goals->weights != NULL && i < n; i++)
-        sum = add(sum, smr_float_bits(goals->weights[i]));
-    return closed(sum);
+    return closed(add_values(add_points(n, goals->xyz, n), goals->weights, goals->weights != NULL ? n : 0u));
 }
 
 uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n)
 {
     uint64_t sum = add(n, (motion->mass != NULL ? 1u : 0u) + (motion->velocity != NULL ? 2u : 0u));
-    for (uint32_t i = 0; motion->mass != NULL && i < n; i++)
-        sum = add(sum, smr_float_bits(motion->mass[i]));
+    sum = add_values(sum, motion->mass, motion->mass != NULL ? n : 0u);
     return closed(motion->velocity != NULL ? add_points(sum, motion->velocity, n) : sum);
 }
 
-uint64_t smr_surface_checksum(const smr_surface *surface)
+uint64_t smr_surface_checksum(const smr_surface *s)
 {
-    const smr_surface *s = surface;
     const uint32_t nt = s->tree.n_triangles;
     const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
     uint64_t sum = add_points((uint64_t)s->n_vertices << 32 | nt, origin, 1);
@@ -66,7 +66,7 @@ uint64_t smr_surface_checksum(const smr_surface *surface)
     return closed(sum);
 }
 
-/* Voxel number i of 1, 2 or 4 bytes as a number. */
+/* Returns voxel i, of 1, 2 or 4 bytes, as a number. */
 static uint32_t voxel(const unsigned char *voxels, uint32_t bytes, size_t i)
 {
     uint16_t two;
@@ -94,9 +94,8 @@ static uint64_t add_voxels(uint64_t sum, const void *voxels, uint32_t bytes, siz
     return sum;
 }
 
-uint64_t smr_volume_checksum(const smr_volume *volume)
+uint64_t smr_volume_checksum(const smr_volume *v)
 {
-    const smr_volume *v = volume;
     const uint32_t bytes = v->type <= SMR_VOXEL_INT8 ? 1u : (v->type <= SMR_VOXEL_INT16 ? 2u : 4u);
     const size_t n = (size_t)v->size[0] * v->size[1] * v->size[2];
     uint64_t sum = v->type * 2u + (v->mask != NULL);

@@ -1,4 +1,4 @@
-/* log_format.h: the log of a registration: bytes of its records, and functions that write them.
+/* log_format.h: the log of a registration: the bytes of records, and functions that write them.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_LOG_FORMAT_H
 #define SMR_LOG_FORMAT_H
@@ -28,10 +28,8 @@ uint32_t smr_log_words(uint32_t kind);
 
 static inline void smr_log_put32(unsigned char *to, uint32_t v)
 {
-    to[0] = (unsigned char)(v & 255u);
-    to[1] = (unsigned char)(v >> 8 & 255u);
-    to[2] = (unsigned char)(v >> 16 & 255u);
-    to[3] = (unsigned char)(v >> 24);
+    v = smr_le32(v);
+    memcpy(to, &v, sizeof v);
 }
 
 static inline uint32_t smr_log_get32(const unsigned char *from)
@@ -39,24 +37,27 @@ static inline uint32_t smr_log_get32(const unsigned char *from)
     return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
 }
 
-/* State of the recording. */
-typedef struct smr_log {
-    unsigned char *memory; /* the caller's memory; NULL: no recording */
-    /* smr_log_write; NULL: nothing is recorded. A program that sets no log has none of log_write.c */
-    void (*write)(struct smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
-    size_t bytes, used;
-    uint32_t crc; /* CRC-32 up to the last record */
-    uint32_t n_ticks;
-    uint32_t full;  /* 1: a record did not fit, and none follows */
-    uint32_t fresh; /* 1: the registration has not changed since smr_init() */
-} smr_log;
+typedef struct smr_log smr_log;
 
-/* The configuration as SMR_LOG_CONFIG_WORDS words, and back from n_words words of a log of this version. Errors:
- * E_LOG (other version, unknown or repeated setting, wrong length). Values are not checked. */
+/* Records a call that has succeeded. A program that sets no log links no such function. */
+typedef void smr_log_writer(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
+
+/* State of the recording. */
+struct smr_log {
+    unsigned char *memory; /* [bytes] the caller's memory; NULL: no recording */
+    smr_log_writer *write; /* smr_log_write; NULL: no recording */
+    size_t bytes, used;    /* bytes at memory; bytes written */
+    uint32_t crc, n_ticks; /* CRC-32 up to the last record; ticks recorded */
+    uint32_t full;         /* 1: a record did not fit, and no record follows */
+    uint32_t fresh;        /* 1: the registration has not changed since smr_init() */
+};
+
+/* Write the configuration as SMR_LOG_CONFIG_WORDS words, and read n_words words of a log of this version. Errors: E_LOG
+ * (other version, unknown or repeated setting, wrong length). Values are not checked. */
 void smr_log_put_config(unsigned char *to, const smr_config *config);
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);
 
-/* Checksums of the numbers, not of their bytes in memory: equal on all processors. Never 0. */
+/* Return checksums of the numbers of an input, not of their bytes in memory: equal on all processors, and never 0. */
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_cloud_checksum(const smr_points *points);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
@@ -64,18 +65,18 @@ uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
-/* of a recorded input, by kind as for smr_log_note(); 0: it was taken away */
+
+/* Returns the checksum of a recorded input, kind and what as for smr_log_note(); 0: the input was taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
-
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
 void smr_log_end(smr_log *log);
 
 typedef struct smr_log_of_tick {
     const smr_tick_report *report;
     uint32_t complete;    /* 1: an iteration was completed, or the schedule was done already */
-    uint32_t n_evaluated; /* vertices whose forces were looked for, so far in the iteration or in the complete one */
+    uint32_t n_evaluated; /* vertices whose forces were computed, in this iteration so far or in the complete one */
 } smr_log_of_tick;
 
 /* Records a call that has succeeded: kind is SMR_LOG_...
@@ -83,8 +84,7 @@ typedef struct smr_log_of_tick {
  *   POSITIONS, GOALS, MOTION        number: structure            what: xyz, smr_goals, smr_motion   n: vertices
  *   LANDMARKS                       what: [n] landmarks
  *   VOLUME, POSE                    what: the volume, NULL; the pose
- *   FORCE                           number: 0 taken away, 1 set, 2 what: the sum (uint64_t) that it gave in the next
- * tick
+ *   FORCE                           number: 0 taken away, 1 set, 2 called   what: checksum of its result (uint64_t)
  *   VOLUME_RATIO                    number: structure            what: the ratio (float)
  *   ACTIVE                          number: vertices
  *   TICK                            what: smr_log_of_tick */

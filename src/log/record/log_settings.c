@@ -1,7 +1,6 @@
-/* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the
- * table of settings, so that fields can move and be added; a missing setting has its default. Before version 3 every
- * target was whole. Version 1 has the struct of library 0.1 as it lay in memory: its words are the numbers up to 44,
- * with the cookie as word 0.
+/* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the table
+ * of settings; a missing setting has its default. Before version 3 every target was whole. Version 1 has the struct of
+ * library 0.1 as it lay in memory: its words are the numbers up to 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
@@ -11,7 +10,7 @@
 #define SMR_LOG_COVERAGE 3u /* the first version with partial targets */
 
 typedef struct log_row {
-    uint32_t number, offset, n; /* n: words; 0: not in logs */
+    uint32_t number, offset, n; /* the setting's number, offset in smr_config, and words; 0 words: not in logs */
 } log_row;
 
 static const log_row rows[] = {
@@ -23,11 +22,9 @@ static const log_row rows[] = {
 };
 
 #define SMR_LOG_ROWS (sizeof rows / sizeof rows[0])
+#define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u) /* words of a set of settings, a bit each */
 
-/* One bit for each setting that was read. */
-#define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u)
-
-/* The order in which settings are written, by number: that of library 0.2. */
+/* Numbers of the settings in the order in which logs hold them, that of library 0.2. */
 static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21,
                                   23, 24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31,
                                   32, 33, 35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56,
@@ -35,7 +32,7 @@ static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
-/* The table's row with this number; SMR_LOG_ROWS: none. */
+/* Returns the index of the row with this number; SMR_LOG_ROWS: there is none. */
 static size_t row_of(uint32_t number)
 {
     size_t i = 0;

@@ -1,7 +1,6 @@
-/* log_write.c: logs all inputs of a registration, and how far each tick came. Together with the inputs this determines
- * all bits, so a run that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended,
- * and each record's checksum continues the one before: after a loss of power the log is readable up to its last record.
- * Layout: docs/SPEC.md.
+/* log_write.c: logs all inputs of a registration, and the end of each tick. Log and inputs determine all bits, so a run
+ * that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended, and each record's
+ * checksum continues the one before: after a loss of power the log is readable up to its last record (docs/SPEC.md).
  * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log_format.h"
@@ -20,6 +19,7 @@ uint32_t smr_log_words(uint32_t kind)
     return kind < sizeof words ? words[kind] : 0u;
 }
 
+/* Appends a record, for which there must be room. */
 static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const uint32_t n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
@@ -32,25 +32,21 @@ static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
     log->used += bytes;
 }
 
-/* Appends a record. After one that did not fit nothing follows: a log with a gap would be useless. */
+/* Appends a record, or SMR_LOG_FULL in place of the first record that does not fit; nothing follows that. */
 static void put(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const size_t needed = SMR_LOG_FRAME + 4u * (size_t)smr_log_words(kind) + SMR_LOG_FULL_BYTES;
     if (log->full)
         return;
-    if (log->bytes - log->used < needed) {
-        write_record(log, SMR_LOG_FULL, &kind);
-        log->full = 1;
-        return;
-    }
-    write_record(log, kind, word);
-    log->n_ticks += kind == SMR_LOG_TICK;
+    log->full = log->bytes - log->used < needed;
+    write_record(log, log->full ? SMR_LOG_FULL : kind, log->full ? &kind : word);
+    log->n_ticks += !log->full && kind == SMR_LOG_TICK;
 }
 
 static uint32_t high(uint64_t v) { return (uint32_t)(v >> 32); }
 static uint32_t low(uint64_t v) { return (uint32_t)(v & 0xffffffffu); }
 
-/* Logs each landmark as a record of its own. No landmark at all is a record of zeros. */
+/* Logs each landmark as a record of its own. A record of zeros stands for no landmarks. */
 static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
 {
     for (uint32_t i = 0; i < n || i == 0u; i++) {
@@ -70,43 +66,32 @@ static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n
     }
 }
 
-static void put_tick(smr_log *log, const smr_log_of_tick *tick)
+static void put_tick(smr_log *log, const smr_log_of_tick *t)
 {
-    const smr_tick_report *r = tick->report;
-    const uint32_t flags = tick->complete | r->done << 1 | r->details.phase << 8;
-    const uint32_t word[8] = {flags,
-                              r->iteration,
-                              r->details.n_taken,
-                              tick->n_evaluated,
-                              r->n_forces,
-                              r->details.plastic_updates,
-                              low(r->state_hash),
-                              high(r->state_hash)};
+    const smr_tick_report *r = t->report;
+    const uint32_t flags = t->complete | r->done << 1 | r->details.phase << 8, taken = r->details.n_taken;
+    const uint32_t plastic = r->details.plastic_updates, hash[2] = {low(r->state_hash), high(r->state_hash)};
+    const uint32_t word[8] = {flags, r->iteration, taken, t->n_evaluated, r->n_forces, plastic, hash[0], hash[1]};
     put(log, SMR_LOG_TICK, word);
-}
-
-static void put_floats(smr_log *log, uint32_t kind, const uint32_t *first, uint32_t n_first, const float *value)
-{
-    uint32_t word[SMR_LOG_WORDS];
-    const uint32_t n = smr_log_words(kind);
-    for (uint32_t i = 0; i < n; i++)
-        word[i] = i < n_first ? first[i] : smr_float_bits(value[i - n_first]);
-    put(log, kind, word);
 }
 
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
 {
+    uint32_t word[SMR_LOG_WORDS] = {number};
     uint64_t sum = 0;
     switch (kind) {
     case SMR_LOG_TICK: put_tick(log, what); return;
     case SMR_LOG_LANDMARKS: put_landmarks(log, what, n); return;
-    case SMR_LOG_POSE: put_floats(log, kind, NULL, 0, ((const smr_pose *)what)->m[0]); return;
-    case SMR_LOG_VOLUME_RATIO: put_floats(log, kind, &number, 1, what); return;
-    case SMR_LOG_ACTIVE: put(log, kind, &number); return;
-    case SMR_LOG_FORCE:
-        if (what != NULL)
-            memcpy(&sum, what, sizeof sum);
-        break;
+    case SMR_LOG_POSE:
+        memcpy(word, what, sizeof(smr_pose));
+        put(log, kind, word);
+        return;
+    case SMR_LOG_VOLUME_RATIO:
+        memcpy(word + 1, what, sizeof(float));
+        put(log, kind, word);
+        return;
+    case SMR_LOG_ACTIVE: put(log, kind, word); return;
+    case SMR_LOG_FORCE: sum = what != NULL ? *(const uint64_t *)what : 0u; break;
     default: sum = smr_log_checksum(kind, what, n); break;
     }
     const int present = kind == SMR_LOG_GOALS ? ((const smr_goals *)what)->xyz != NULL : what != NULL;

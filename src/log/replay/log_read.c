@@ -1,9 +1,9 @@
 /* log_read.c: reads a log, record by record. The bytes may come from anywhere: each length, kind and flag is checked
- * before use, and each record advances the reader, so reading ends.
+ * before use, and each record advances the reader, so that reading ends.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log_format.h"
 
-/* The offset of the first record; 0 when the header's lengths disagree with each other or with the bytes. */
+/* Returns the offset of the first record; 0 when the header's lengths disagree with each other or with the bytes. */
 static size_t header_bytes(const unsigned char *at, size_t bytes)
 {
     if (bytes < SMR_LOG_FIXED + 4u || smr_log_get32(at) != SMR_LOG_MAGIC)
@@ -22,27 +22,13 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
     if (header == 0u || smr_log_get32(at + header - 4u) != smr_crc32(0, at, header - 4u) ||
         smr_log_get_config(at + SMR_LOG_FIXED, smr_log_get32(at + 24), smr_log_get32(at + 4), &config) != SMR_OK)
         return SMR_E_LOG;
-    reader->log = at;
-    reader->bytes = bytes;
-    reader->at = header;
-    reader->checksum = smr_log_get32(at + header - 4u);
-    if (info == NULL)
-        return SMR_OK;
-    info->config = config;
-    info->library = smr_log_get32(at + 12);
-    info->model_checksum = smr_log_get32(at + 16);
-    info->n_vertices = smr_log_get32(at + 20);
+    *reader = (smr_log_reader){at, bytes, header, smr_log_get32(at + header - 4u)};
+    if (info != NULL)
+        *info = (smr_log_info){smr_log_get32(at + 12), smr_log_get32(at + 16), smr_log_get32(at + 20), config};
     return SMR_OK;
 }
 
 static uint64_t joined(const uint32_t *word) { return (uint64_t)word[1] << 32 | word[0]; }
-
-static float float_of(uint32_t bits)
-{
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
 
 static smr_status take_tick(const uint32_t *word, smr_log_record *r)
 {
@@ -68,15 +54,15 @@ static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
     r->landmark.structure = word[2];
     r->landmark.vertex = word[3];
     for (uint32_t c = 0; c < 3u; c++) {
-        r->landmark.rest[c] = float_of(word[4u + c]);
-        r->landmark.place[c] = float_of(word[7u + c]);
+        r->landmark.rest[c] = smr_float_of(word[4u + c]);
+        r->landmark.place[c] = smr_float_of(word[7u + c]);
     }
-    r->landmark.weight = float_of(word[10]);
+    r->landmark.weight = smr_float_of(word[10]);
     r->landmark.hard = word[11];
     return r->index < r->count && r->count <= SMR_LANDMARKS_MAX && word[11] <= 1u ? SMR_OK : SMR_E_LOG;
 }
 
-/* A force record: 0, removed; 1, set; 2, its output's checksum. */
+/* Reads a force record: 0: the force was taken away; 1: it was set; 2: the checksum of its output. */
 static smr_status take_force(const uint32_t *word, smr_log_record *r)
 {
     r->present = word[0] == 1u;
@@ -95,12 +81,9 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
     case SMR_LOG_ACTIVE: r->n_taken = word[0]; return SMR_OK;
     case SMR_LOG_VOLUME_RATIO:
         r->structure = word[0];
-        r->ratio = float_of(word[1]); /* checked when it is set, as a pose is */
+        r->ratio = smr_float_of(word[1]); /* ratios and poses are checked when they are set */
         return SMR_OK;
-    case SMR_LOG_POSE:
-        for (uint32_t i = 0; i < 12u; i++)
-            r->pose.m[i / 4u][i % 4u] = float_of(word[i]);
-        return SMR_OK;
+    case SMR_LOG_POSE: memcpy(&r->pose, word, sizeof r->pose); return SMR_OK;
     }
     const int owned = r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION, image = r->kind == SMR_LOG_VOLUME;
     *(r->kind == SMR_LOG_FIXED_SURFACE ? &r->index : &r->structure) = image ? 0u : word[0];
@@ -132,9 +115,7 @@ smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
         return SMR_E_LOG;
     for (uint32_t i = 0; i < n; i++)
         word[i] = smr_log_get32(at + 4u + 4u * i);
-    smr_log_record r;
-    memset(&r, 0, sizeof r);
-    r.kind = kind;
+    smr_log_record r = {.kind = kind};
     const smr_status status = take(word, &r);
     if (status != SMR_OK)
         return status;

@@ -1,7 +1,7 @@
 /* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor with any
- * number of threads. The log has what a budget decides: the number of active vertices and the iteration that each
- * input affects. Each complete iteration runs in one piece with that number. An input that restarted an iteration's
- * forces is set before it; a later one after it; one that starts the schedule over abandons the iteration.
+ * number of threads. The log has what a budget decides: the number of active vertices and the iteration that each input
+ * affects. Each complete iteration runs in one piece with that number. An input set before the forces were complete is
+ * set before the iteration, a later input after it; an input that restarts the schedule abandons the iteration.
  * Bounds: a tick reads the log's records at most twice.
  * SPDX-License-Identifier: MIT */
 #include "registration/config/config.h"
@@ -25,15 +25,11 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
         return SMR_E_WITHOUT;
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
         return SMR_E_CONFIG;
-    memset(replay, 0, sizeof *replay);
-    replay->s = s;
-    replay->reader = reader;
-    replay->input = input;
-    replay->ctx = ctx;
+    *replay = (smr_replay){.s = s, .reader = reader, .input = input, .ctx = ctx};
     return SMR_OK;
 }
 
-/* Sets landmarks with the last of their records, which follow each other. */
+/* Collects the landmarks of successive records, and sets them with the last record. */
 static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
 {
     if (record->index != r->n_landmarks || (record->index > 0u && record->count != r->count))
@@ -46,7 +42,7 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
     return smr_set_landmarks(r->s, r->landmark, record->count);
 }
 
-/* Returns 1 for inputs that only forces read: they affect the current iteration, or the next one. */
+/* Returns 1 for inputs that only forces read. */
 static int of_forces(uint32_t kind)
 {
     return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
@@ -60,7 +56,7 @@ static int is_recorded(const smr *s, const smr_log_record *record, const void *g
     smr_grid grid;
     int legal = 1;
     switch (record->kind) {
-    case SMR_LOG_FORCE: return ((const smr_caller_force *)given)->force != NULL; /* it has no checksum */
+    case SMR_LOG_FORCE: return ((const smr_caller_force *)given)->force != NULL; /* functions have no checksum */
     case SMR_LOG_SURFACE:
     case SMR_LOG_FIXED_SURFACE: legal = smr_surface_valid(given); break;
     case SMR_LOG_POINTS: legal = smr_points_valid(given); break;
@@ -68,21 +64,16 @@ static int is_recorded(const smr *s, const smr_log_record *record, const void *g
     case SMR_LOG_MOTION: legal = motion->mass != NULL || motion->velocity != NULL; break;
     default: break;
     }
-    const int whole = record->structure >= s->shared.n_structures; /* these kinds' sums do not need n */
+    const int whole = record->structure >= s->shared.n_structures; /* the input belongs to no structure */
     const uint32_t n = whole ? 0u : s->shape.structure[record->structure].n_vertices;
     return legal && smr_log_checksum(record->kind, given, n) == record->checksum;
 }
 
+/* Sets an input again, with the caller's data where the record has only a checksum. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
     const void *given = NULL;
     smr *s = r->s;
-    if (record->kind == SMR_LOG_POSE)
-        return smr_set_pose(s, &record->pose);
-    if (record->kind == SMR_LOG_LANDMARKS)
-        return set_landmark(r, record);
-    if (record->kind == SMR_LOG_VOLUME_RATIO)
-        return smr_set_volume_ratio(s, record->structure, record->ratio);
     const int owned =
         record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_MOTION;
     if (owned && record->structure >= s->shared.n_structures)
@@ -96,6 +87,9 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     const smr_goals *goals = given;
     const smr_motion *motion = given;
     switch (record->kind) {
+    case SMR_LOG_POSE: return smr_set_pose(s, &record->pose);
+    case SMR_LOG_LANDMARKS: return set_landmark(r, record);
+    case SMR_LOG_VOLUME_RATIO: return smr_set_volume_ratio(s, record->structure, record->ratio);
     case SMR_LOG_FORCE: return smr_set_force(s, given != NULL ? force->force : NULL, given != NULL ? force->ctx : NULL);
     case SMR_LOG_GOALS:
         return smr_set_goals(s, record->structure, given != NULL ? goals->xyz : NULL,
@@ -109,14 +103,14 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     }
 }
 
-/* The same; setters say E_CONFIG where this build leaves out what they need. */
+/* Sets an input again. Setters return E_CONFIG where this build leaves out what they need. */
 static smr_status set_again(smr_replay *r, const smr_log_record *record)
 {
     const smr_status status = set_input(r, record);
     return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
 }
 
-/* Sets the goals that were set after an iteration's forces were complete: records from r->later to the reader. */
+/* Sets the force inputs that came after the iteration's forces were complete: records from r->later to the reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;
@@ -126,31 +120,29 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
             status = set_again(r, record);
     }
     r->has_later = 0;
-    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* the rest of the landmarks is missing */
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* more landmarks were announced */
 }
 
-/* Sets an input now, or after the current iteration. */
+/* Sets an input now, or keeps it for the end of the current iteration. *record: the input, or the one that failed. */
 static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
 {
+    smr_log_record earlier;
     if (of_forces(record->kind) && r->has_forces) {
         if (!r->has_later)
             r->later = *before;
         r->has_later = 1;
         return SMR_OK;
     }
-    if (!of_forces(record->kind)) {
-        smr_log_record earlier;
-        const smr_status status = set_later(r, &earlier);
+    const smr_status status = of_forces(record->kind) ? SMR_OK : set_later(r, &earlier);
+    if (!of_forces(record->kind))
         r->has_forces = 0;
-        if (status != SMR_OK) {
-            *record = earlier;
-            return status;
-        }
-    }
-    return set_again(r, record);
+    if (status == SMR_OK)
+        return set_again(r, record);
+    *record = earlier;
+    return status;
 }
 
-/* The state of this registration as a record. */
+/* Returns this registration's state as a record, for comparison with the recorded tick. */
 static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 {
     smr_log_record found = *recorded;
@@ -215,7 +207,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             report->ended = 1;
             report->tick = replay->n_ticks;
             report->full = kind == SMR_LOG_FULL;
-            replay->reader = before; /* the reader stays here */
+            replay->reader = before; /* the next call ends here again */
             break;
         }
         if (kind == SMR_LOG_TICK) {

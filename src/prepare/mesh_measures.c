@@ -1,24 +1,13 @@
-/* mesh_neighbours.c: the mesh neighbours of each vertex, and edge lengths.
- * Bounds: 6 nt neighbours before duplicates are removed; up to 24 of a vertex are sorted by insertion, more by radix.
+/* mesh_measures.c: the mesh neighbours of each vertex, edge lengths, and the masses m_i of the vertices (paper 2.3): 1
+ * each, or a third of the area of the adjacent triangles, scaled to a mean of 1 and rounded to multiples of
+ * 1 / SMR_MASS_UNITS. Vertices without triangles get no forces and have the least mass.
+ * Bounds: 6 nt neighbours before duplicates are removed; those of each vertex are sorted.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/box_tree/triangle.h"
 #include "prepare/prepare_plan.h"
 
-static void sort_keys(smr_plan *p, uint32_t n)
-{
-    if (n > 24u) {
-        smr_curve_sort(p->key, p->item, p->tmp, n);
-        return;
-    }
-    for (uint32_t i = 1; i < n; i++)
-        for (uint32_t j = i; j > 0u && p->key[j - 1u] > p->key[j]; j--) {
-            const uint32_t swap = p->key[j];
-            p->key[j] = p->key[j - 1u];
-            p->key[j - 1u] = swap;
-        }
-}
-
-/* Lists the two neighbours that each corner of each triangle has, duplicates included: neighbour_start, neighbour. */
+/* Fills neighbour_start and neighbour with the two neighbours of each corner of each triangle, duplicates included. */
 static void list_corners(smr_plan *p)
 {
     uint32_t *start = p->neighbour_start;
@@ -47,7 +36,7 @@ static void find_neighbours(smr_plan *p)
         const uint32_t last = start[v + 1u], n = last - from, begin = out;
         for (uint32_t i = 0; i < n; i++)
             p->key[i] = p->item[i] = p->neighbour[from + i];
-        sort_keys(p, n);
+        smr_curve_sort(p->key, p->item, p->tmp, n);
         for (uint32_t i = 0; i < n; i++)
             if (p->key[i] != v && (i == 0u || p->key[i] != p->key[i - 1u]))
                 p->neighbour[out++] = p->key[i];
@@ -63,8 +52,7 @@ static void measure_edges(smr_plan *p)
     p->edge_max = 0.0f;
     for (uint32_t v = 0; v < p->n; v++) {
         for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++) {
-            const float *a = p->xyz + 3u * (size_t)v, *b = p->xyz + 3u * (size_t)p->neighbour[i];
-            const float length = smr_length(smr_sub(smr_load(a), smr_load(b)));
+            const float length = smr_length(smr_sub(smr_get3(p->xyz, v), smr_get3(p->xyz, p->neighbour[i])));
             sum += length;
             p->edge_max = smr_max(p->edge_max, length);
         }
@@ -76,4 +64,35 @@ void smr_plan_neighbours(smr_plan *p)
 {
     find_neighbours(p);
     measure_edges(p);
+}
+
+static void unit_masses(smr_plan *p)
+{
+    for (uint32_t v = 0; v < p->n; v++)
+        p->mass[v] = p->nt == 0u ? 1.0f : 1.0f / SMR_MASS_UNITS;
+    for (uint32_t i = 0; i < 3u * p->nt; i++)
+        p->mass[p->triangle[i]] = 1.0f;
+}
+
+void smr_plan_mass(smr_plan *p)
+{
+    float total = 0.0f;
+    if (p->config->mass != SMR_MASS_AREA || p->nt == 0u) {
+        unit_masses(p);
+        return;
+    }
+    for (uint32_t v = 0; v < p->n; v++)
+        p->mass[v] = 0.0f;
+    for (uint32_t k = 0; k < p->nt; k++) {
+        const uint32_t *t = p->triangle + 3u * (size_t)k;
+        const float third = smr_length(smr_corners_cross(p->xyz, t)) * (1.0f / 6.0f);
+        for (uint32_t c = 0; c < 3u; c++)
+            p->mass[t[c]] += third;
+        total += 3.0f * third;
+    }
+    const float unit = total > 0.0f ? SMR_MASS_UNITS * (float)p->n / total : 0.0f;
+    for (uint32_t v = 0; v < p->n; v++) {
+        const float units = smr_clamp(p->mass[v] * unit + 0.5f, 1.0f, SMR_MASS_MAX * SMR_MASS_UNITS);
+        p->mass[v] = (float)(uint32_t)units / SMR_MASS_UNITS;
+    }
 }

@@ -1,9 +1,35 @@
-/* cluster_difference_lists.c: writes the entries of the order L: zeta+ and zeta- (paper 2.2, cluster optimisation) as
- * differences between the rows of a cluster and its parent.
+/* model_write_lists.c: writes numbers and sections of the model, little-endian, and the entries of the order L: zeta+
+ * and zeta- (paper 2.2, cluster optimisation) as differences between the rows of a cluster and its parent.
  * Bounds: the word range of the rows and their members, SMR_LEVELS_MAX each.
  * SPDX-License-Identifier: MIT */
-#include "prepare/model_write.h"
+#include "prepare/prepare_plan.h"
 
+void smr_put16(smr_writer *w, size_t at, uint32_t value)
+{
+    const uint16_t stored = smr_le16((uint16_t)value);
+    if (w->model != NULL && at + sizeof stored <= w->capacity)
+        memcpy(w->model + at, &stored, sizeof stored);
+}
+
+void smr_put32(smr_writer *w, size_t at, uint32_t value)
+{
+    const uint32_t stored = smr_le32(value);
+    if (w->model != NULL && at + sizeof stored <= w->capacity)
+        memcpy(w->model + at, &stored, sizeof stored);
+}
+
+size_t smr_put_section(smr_writer *w, size_t bytes)
+{
+    const size_t at = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
+    if (w->model != NULL && w->used < w->capacity) {
+        const size_t end = at + bytes < w->capacity ? at + bytes : w->capacity;
+        memset(w->model + w->used, 0, end - w->used);
+    }
+    w->used = at + bytes;
+    return at;
+}
+
+/* Writes an index, 2 or 4 bytes wide, at offset `at`. */
 static void put_index(smr_list_writer *l, size_t at, uint32_t value)
 {
     if (l->index_bytes == 2u)
@@ -20,8 +46,8 @@ void smr_list_block(smr_list_writer *l)
     l->n_blocks++;
 }
 
-/* Appends the vertices in `own` but not in `other` (NULL: none), as stored numbers, ascending. Returns how many.
- * Within a level, stored numbers ascend along the curve, so sorting by level is enough. */
+/* Appends the vertices in `own` but not in `other` (NULL: none), as stored numbers, ascending. Returns their number.
+ * Within a level, stored numbers ascend along the curve, so vertices are sorted by level alone. */
 static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *own, const uint64_t *other)
 {
     uint32_t n = 0, to[SMR_LEVELS_MAX + 1u] = {0};
