@@ -1,5 +1,5 @@
 /* contact_forces.c: what is added to forces so that structures keep apart, once it is known who takes part.
- * Bounds: those of contact_detection.c for each active vertex, and for each triangle in the iterations in which they
+ * Bounds: those of contact.c for each active vertex, and for each triangle in the iterations in which they
  * are due. SPDX-License-Identifier: MIT */
 #include "registration/goals/external_forces.h"
 
