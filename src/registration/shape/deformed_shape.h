@@ -26,10 +26,10 @@ typedef struct smr_track_rest {
     smr_fit one, all;           /* sums of the fits: of the current structure, of the whole model */
     uint32_t structure, vertex; /* position of the summation, in the caller's numbering */
     uint32_t n_tasks;           /* number of tasks of the summation */
-    uint32_t due;       /* 1: x^r is to follow in this iteration. Written by tracking.c and dynamics_time_steps.c */
-    uint32_t predicted; /* 1: structures were already moved on for the current targets */
+    uint32_t due;               /* 1: x^r is to follow in this iteration. Written by tracking.c and dynamics.c */
+    uint32_t predicted;         /* 1: structures were already moved on for the current targets */
     /* where a pose is to lay vertex v, which an iteration has taken to x; NULL: there. Written by
-     * dynamics_time_steps.c */
+     * dynamics.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
 } smr_track_rest;
 
@@ -66,7 +66,7 @@ typedef struct smr_shape {
     smr_pose *track_pose_last;
     struct smr_dynamics *dynamics; /* NULL: no dynamics */
     /* [n][3] in dynamics, from the start of an iteration until evolve: where its sweep starts. NULL: at x. Over x_next;
-     * written by dynamics_time_steps.c */
+     * written by dynamics.c */
     float *from;
 } smr_shape;
 
