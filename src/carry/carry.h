@@ -17,82 +17,92 @@
 #define SMR_CARRY_FIRST 16u /* nearest vertices taken from all vertices */
 #define SMR_CARRY_MORE 12u  /* nearest vertices taken from each thinner selection */
 #define SMR_CARRY_NEAR (SMR_CARRY_FIRST + (SMR_CARRY_DENSITIES - 1u) * SMR_CARRY_MORE)
-#define SMR_CARRY_CHUNK 64u /* points of a task */
+#define SMR_CARRY_CHUNK 64u    /* points of a task */
+#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's rough part over that of its smooth part */
 
-/* Every stride-th vertex along the curve, and a tree of boxes over groups of eight. */
+/* A selection of vertices, every stride-th one along the curve, and a tree of boxes over groups of eight of them. */
 typedef struct smr_carry_thin {
-    smr_box_tree groups;       /* the groups as its triangles; only its node, level and counts are used */
+    smr_box_tree groups;       /* tree with groups in place of triangles; only node, level and counts are used */
     uint32_t first, stride, n; /* vertices first, first + stride, ...: n of them */
     uint32_t take;             /* nearest vertices taken from this selection */
 } smr_carry_thin;
 
 /* The vertices near a point, nearest first, and the equations of their coefficients. Scratch of one worker. */
 typedef struct smr_carry_site {
-    uint32_t n;
+    uint32_t n;                                   /* number of vertices */
     uint32_t id[SMR_CARRY_NEAR];                  /* numbers of the vertices along the curve */
-    float x[3][SMR_CARRY_NEAR];                   /* positions from the centre, mm */
-    float noise_variance[SMR_CARRY_NEAR];         /* noise variance on the diagonal; 0 for the nearest vertex */
-    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) from each to the nearest vertex */
+    float x[3][SMR_CARRY_NEAR];                   /* rest positions, mm from the centre */
+    float noise_variance[SMR_CARRY_NEAR];         /* noise variances, for the diagonal; 0 for the nearest vertex */
+    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) of the distance to the nearest vertex */
     float part[SMR_CARRY_NEAR];                   /* 1 - far / (1 + rough) */
     float inverse[SMR_CARRY_NEAR];                /* inverse pivots of the factor; 0 for a vertex that adds nothing */
     float lower[SMR_CARRY_NEAR * SMR_CARRY_NEAR]; /* the factor L of L D L^T, row-major; entry 0 is not used */
-    float side[SMR_CARRY_NEAR];                   /* a right-hand side, then its solution */
-    float weight[3][SMR_CARRY_NEAR];              /* solutions for the vertices' displacements, mm */
+    float side[SMR_CARRY_NEAR];                   /* right-hand side of the equations, then their solution */
+    float weight[3][SMR_CARRY_NEAR];              /* solutions for x, y and z of the vertices' residuals, mm */
 } smr_carry_site;
 
 struct smr_carry {
-    const struct smr_carry *self; /* address of the map: a copy of the memory is no map */
+    const struct smr_carry *self; /* the address of this struct: a copy at another address is refused */
     uint32_t magic;               /* SMR_CARRY_MAGIC */
     uint32_t n_vertices, n_points, n_densities;
     smr_port port;
     smr_vec centre;   /* origin of positions, mm, whole numbers */
-    float per_smooth; /* 1 / range of the covariance's smooth part, 1 / mm */
-    float per_rough;  /* 1 / range of the covariance's rough part, 1 / mm */
+    float per_smooth; /* inverse range of the covariance's smooth part, 1 / mm */
+    float per_rough;  /* inverse range of the covariance's rough part, 1 / mm */
     float *rest;      /* [n_vertices][3] rest positions along the curve, mm from the centre */
     uint32_t *item;   /* [n_vertices] the caller's number of each vertex */
     smr_carry_thin thin[SMR_CARRY_DENSITIES];
     smr_carry_site *site; /* [port.n_workers] scratch of each worker */
     uint32_t *near; /* [n_points][SMR_CARRY_NEAR] the caller's vertices near each point; unused ones are the first */
-    float *coefficient;    /* [n_points][SMR_CARRY_NEAR] c_k; unused ones are 0 */
+    float *coefficient;    /* [n_points][SMR_CARRY_NEAR] coefficients c_k; unused ones are 0 */
     float *rest_part;      /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the factors of T */
     uint32_t wrong_worker; /* 1: the port used a worker number that does not exist */
 };
 
-/* Shapes of the trees for n vertices at all densities, and their number of nodes. */
+/* Computes the selections for n vertices and the shapes of their trees. Counts the selections, and the trees' nodes. */
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes);
-void smr_carry_boxes(const smr_carry_thin *thin, const float *rest);
+void smr_carry_boxes(const smr_carry_thin *thin, const float *rest); /* fits a tree's boxes to the rest positions */
 
-/* The position of vertex i of the site, mm from the centre. */
+/* The vertices of one selection that are nearest to a point, nearest first; ties in order of the curve. */
+typedef struct smr_carry_nearest {
+    smr_vec p;                        /* the point, mm */
+    uint32_t n, most;                 /* number of vertices; largest number that is kept */
+    uint32_t id[SMR_CARRY_NEAR + 1u]; /* numbers of the vertices along the curve */
+    float d2[SMR_CARRY_NEAR + 1u];    /* squared distances, mm^2 */
+} smr_carry_nearest;
+
+void smr_carry_insert(smr_carry_nearest *f, uint32_t id, float d2); /* inserts a vertex, drops one too many */
+
+/* The rest position of vertex i of the site, mm from the centre. */
 static inline smr_vec smr_carry_place(const smr_carry_site *s, uint32_t i)
 {
     return smr_v(s->x[0][i], s->x[1][i], s->x[2][i]);
 }
 
+/* Adds the product v w^T to a matrix. */
+static inline void smr_add_product(float m[9], smr_vec v, smr_vec w)
+{
+    const float a[3] = {v.x, v.y, v.z}, b[3] = {w.x, w.y, w.z};
+    for (uint32_t i = 0; i < 9u; i++)
+        m[i] += a[i / 3u] * b[i % 3u];
+}
+
 /* Finds the vertices near p (mm from the centre), nearest first, with their noise variances. */
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s);
-
 /* Factors the equations of the gathered vertices. */
 void smr_carry_factor(const smr_carry *c, smr_carry_site *s);
-
 /* Solves the equations for the right-hand side b[n] in place; entry 0 stays. */
 void smr_carry_solve(const smr_carry_site *s, float *b);
-
 /* Computes the right-hand side of a point: side[1..n-1]. Returns g of the distance to the nearest vertex. */
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
 
-/* Variance of the rough part over that of the smooth part. */
-#define SMR_CARRY_ROUGH 0.002f
-
-/* The similarity T from the rest shape, mm from the centre, to the present positions. */
+/* Fits the similarity T from the rest shape, mm from the centre, to the present positions. */
 smr_pose smr_carry_trend(const smr_carry *c, const float *now);
-
 /* Checks the arguments of smr_carry_apply(). Errors: E_NULL, E_STATE, E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-
 /* Runs a task for each chunk of n points. E_STATE when the port used a worker number that does not exist. */
 smr_status smr_carry_run(smr_carry *c, smr_task run, void *arg, uint32_t n);
-
-/* The worker's scratch; NULL, and the carry is marked, when the number does not exist. */
+/* The worker's scratch. NULL, and wrong_worker is set, when the number does not exist. */
 smr_carry_site *smr_carry_site_of(smr_carry *c, uint32_t worker);
 
 #endif

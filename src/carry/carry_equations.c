@@ -1,19 +1,18 @@
-/* carry_equations.c: the coefficients of vertices near a point. Method: simple kriging with the covariance 1 + rough
- * - g(r). g is the sum of two twice differentiable parts (Wendland 1995): one with the range of the model, and a
- * small one with the range of some edges, for differences between neighbours. The nearest vertex is eliminated: with
- * covariances K_ij = C - g_ij, C = 1 + rough, the rest is K_ij - K_i0 K_0j / C = g_i0 + g_0j - g_ij - g_i0 g_0j / C,
- * small numbers without cancellation. At a vertex the right-hand side is exactly 0, so the vertex maps exactly to
- * its present position.
+/* carry_equations.c: the coefficients of vertices near a point, by simple kriging with the covariance 1 + rough - g(r).
+ * g is the sum of two twice differentiable parts (Wendland 1995): one with the range of the model, and a small one with
+ * the range of some edges, for differences between neighbours. The nearest vertex is eliminated: with covariances K_ij
+ * = C - g_ij, C = 1 + rough, the rest is K_ij - K_i0 K_0j / C = g_i0 + g_0j - g_ij - g_i0 g_0j / C, small numbers
+ * without cancellation. At a vertex the right-hand side is exactly 0: it maps exactly to its present position.
  * Bounds: SMR_CARRY_NEAR^3 / 6 multiplications for a factor, SMR_CARRY_NEAR^2 for a solution.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 
 #define SMR_CARRY_WIDTH ((size_t)SMR_CARRY_NEAR)
-#define SMR_CARRY_PIVOT 3.0e-6f /* smallest pivot over its diagonal element: a vertex below it is left out */
-#define SMR_CARRY_NOTHING 1.0e-12f
-#define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH)
+#define SMR_CARRY_PIVOT 3.0e-6f    /* smallest pivot over its diagonal element: a vertex with less gets no weight */
+#define SMR_CARRY_NOTHING 1.0e-12f /* smallest pivot */
+#define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH) /* C: variance of both parts together */
 
-/* g: 0 at distance 0, 1 + rough beyond both reaches. */
+/* g, the growth of the variance with distance: 0 at distance 0, 1 + rough beyond both ranges. d2: squared, mm^2. */
 static inline float growth(const smr_carry *c, float d2)
 {
     const float r = SMR_SQRT(d2);
@@ -22,7 +21,7 @@ static inline float growth(const smr_carry *c, float d2)
            SMR_CARRY_ROUGH * (u * u * (10.0f + u * (-20.0f + u * (15.0f - 4.0f * u))));
 }
 
-/* g of the distances from p to vertices first .. end-1. */
+/* Computes g of the distances from p to vertices first .. end-1. */
 static void growths(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t first, uint32_t end, float *g)
 {
     for (uint32_t i = first; i < end; i++) {
@@ -47,7 +46,7 @@ static void fill(const smr_carry *c, smr_carry_site *s)
     }
 }
 
-/* L D L^T by columns: the rest of a row changes element by element, so that loops vectorise. */
+/* Computes L D L^T by columns: the rest of a row changes element by element, so that loops vectorise. */
 void smr_carry_factor(const smr_carry *c, smr_carry_site *s)
 {
     float column[SMR_CARRY_NEAR], least[SMR_CARRY_NEAR];

@@ -16,9 +16,8 @@ smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, floa
 {
     if (points == NULL || places == NULL)
         return SMR_E_NULL;
-    if (!(size_mm > 0.0f && size_mm <= SMR_COORD_MAX) || n > SMR_VERTICES_MAX)
-        return SMR_E_INPUT;
-    if (!smr_all_within(points, 3u * (size_t)n, SMR_COORD_MAX))
+    if (!(size_mm > 0.0f && size_mm <= SMR_COORD_MAX) || n > SMR_VERTICES_MAX ||
+        !smr_all_within(points, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < SMR_FRAME_PLACES; k++)
@@ -28,8 +27,7 @@ smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, floa
     return SMR_OK;
 }
 
-/* The linear map from rest differences to present differences. For corners of a tetrahedron sum d d^T = 4/3 size^2
- * I. */
+/* Fits the linear map from rest to present differences: for corners d of a tetrahedron sum d d^T = 4/3 size^2 I. */
 static void local_map(const float *rest, const float *now, float jacobian[9])
 {
     const smr_vec from = smr_load(rest), to = smr_load(now);
@@ -37,10 +35,8 @@ static void local_map(const float *rest, const float *now, float jacobian[9])
     memset(jacobian, 0, 9u * sizeof *jacobian);
     for (uint32_t k = 1; k < SMR_FRAME_PLACES; k++) {
         const smr_vec d = smr_sub(smr_load(rest + 3u * k), from), e = smr_sub(smr_load(now + 3u * k), to);
-        const float a[3] = {e.x, e.y, e.z}, b[3] = {d.x, d.y, d.z};
         size2 += smr_dot(d, d);
-        for (uint32_t i = 0; i < 9u; i++)
-            jacobian[i] += a[i / 3u] * b[i % 3u];
+        smr_add_product(jacobian, e, d);
     }
     for (uint32_t i = 0; i < 9u; i++)
         jacobian[i] *= size2 > 0.0f ? 3.0f / size2 : 0.0f;

@@ -8,16 +8,8 @@
 #define SMR_CARRY_COARSE 600u /* most vertices of the thinnest selection */
 #define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
 #define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance */
-#define SMR_CARRY_NOISE 3.0e-4f   /* noise variance at half of the way to the end of the selection */
-#define SMR_CARRY_END 1.0e-6f     /* keeps the noise variance finite */
-
-/* The nearest vertices of one selection, ascending. */
-typedef struct nearest {
-    smr_vec p;
-    uint32_t n, most;
-    uint32_t id[SMR_CARRY_NEAR + 1u];
-    float d2[SMR_CARRY_NEAR + 1u];
-} nearest;
+#define SMR_CARRY_NOISE 3.0e-4f /* scale of noise variances: a quarter of it applies half-way to the selection's end */
+#define SMR_CARRY_END 1.0e-6f   /* keeps the noise variance finite */
 
 static uint32_t shape_one(smr_carry_thin *t, uint32_t n, uint32_t first, uint32_t stride, uint32_t take)
 {
@@ -31,7 +23,7 @@ void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint3
     uint32_t ratio = 2u;
     *n_densities = n <= SMR_CARRY_NEAR ? 1u : SMR_CARRY_DENSITIES;
     *n_nodes = shape_one(&thin[0], n, 0, 1, n <= SMR_CARRY_NEAR ? SMR_CARRY_NEAR : SMR_CARRY_FIRST);
-    while (n / (ratio * ratio * ratio) > SMR_CARRY_COARSE) /* at most 19 for SMR_VERTICES_MAX */
+    while (n / (ratio * ratio * ratio) > SMR_CARRY_COARSE) /* ends at a ratio of at most 19 */
         ratio++;
     for (uint32_t k = 1, stride = ratio; k < *n_densities; k++, stride *= ratio)
         *n_nodes += shape_one(&thin[k], n, smr_min_u32(stride / 2u, n - 1u), stride, SMR_CARRY_MORE);
@@ -61,10 +53,9 @@ void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
     smr_tree_refit_upper(&t->groups);
 }
 
-static float bound_of(const nearest *f) { return f->n < f->most ? SMR_CARRY_NOWHERE : f->d2[f->n - 1u]; }
+static float bound_of(const smr_carry_nearest *f) { return f->n < f->most ? SMR_CARRY_NOWHERE : f->d2[f->n - 1u]; }
 
-/* Inserts a vertex in order of distance; ties in order of the curve. */
-static void insert(nearest *f, uint32_t id, float d2)
+void smr_carry_insert(smr_carry_nearest *f, uint32_t id, float d2)
 {
     uint32_t at = f->n < f->most ? f->n++ : f->n - 1u;
     for (; at > 0u && (f->d2[at - 1u] > d2 || (!(f->d2[at - 1u] < d2) && f->id[at - 1u] > id)); at--) {
@@ -75,7 +66,7 @@ static void insert(nearest *f, uint32_t id, float d2)
     f->id[at] = id;
 }
 
-static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t group, nearest *f)
+static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t group, smr_carry_nearest *f)
 {
     const uint32_t end = smr_min_u32(t->n, (group + 1u) * SMR_TREE_WIDTH);
     for (uint32_t i = group * SMR_TREE_WIDTH; i < end; i++) {
@@ -83,11 +74,11 @@ static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t g
         const float d2 = smr_dot(d, d);
         const uint32_t id = t->first + i * t->stride;
         if (f->n < f->most || d2 < bound_of(f) || (!(d2 > bound_of(f)) && id < f->id[f->n - 1u]))
-            insert(f, id, d2);
+            smr_carry_insert(f, id, d2);
     }
 }
 
-static void search(const smr_carry_thin *t, const float *rest, nearest *f)
+static void search(const smr_carry_thin *t, const float *rest, smr_carry_nearest *f)
 {
     const smr_box_tree *g = &t->groups;
     smr_visit stack[SMR_CARRY_STACK];
@@ -107,8 +98,8 @@ static void search(const smr_carry_thin *t, const float *rest, nearest *f)
     }
 }
 
-/* Noise variance of vertex i: 0 for the nearest, unbounded when the next vertex beyond the selection is as near. */
-static float noise_variance(const nearest *f, uint32_t i)
+/* Noise variance of vertex i: 0 for the nearest, near infinite when the next vertex beyond the selection is as near. */
+static float noise_variance(const smr_carry_nearest *f, uint32_t i)
 {
     if (f->n < f->most)
         return 0.0f;
@@ -138,7 +129,7 @@ static void add(const smr_carry *c, smr_carry_site *s, uint32_t id, float noise_
 
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s)
 {
-    nearest f;
+    smr_carry_nearest f;
     s->n = 0;
     for (uint32_t k = 0; k < c->n_densities; k++) {
         const smr_carry_thin *t = &c->thin[k];

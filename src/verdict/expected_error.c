@@ -1,29 +1,251 @@
-/* expected_error.c: the expected error of each vertex: the field's standard deviation, given the visible vertices,
- * and the residual.
- * Bounds: those of the field.
+/* expected_error.c: the expected error of each vertex: the standard deviation of its position, given the visible
+ * vertices or the landmarks, and the residual. A surface determines positions along normals only. The displacement from
+ * the start is a Gaussian process (Rasmussen and Williams 2006, chapter 2) with covariance size2 / (1 + d^2 / l^2) for
+ * each axis, plus the motions of a similarity; visible vertices show n . displacement, from which size2 follows.
+ * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
+ * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has a
+ * variance of its own, and the displacement that it would add counts as error, too.
+ * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 twice. Landmarks:
+ * SMR_LANDMARKS_MAX^3 / 6 once, SMR_LANDMARKS_MAX^2 / 2 for each vertex.
  * SPDX-License-Identifier: MIT */
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/verdict_measures.h"
+
+#define SMR_OBSERVATIONS 64u      /* most observations: visible vertices that the field is fitted to */
+#define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
+#define SMR_NORMAL_LENGTH 0.5f    /* kernel length over the diagonal of the structure's box */
+#define SMR_NORMAL_NOISE 0.01f    /* noise variance along a normal over the field's variance */
+#define SMR_NORMAL_MOTIONS 8.0f   /* variance of the motions over the field's; turns and scale at a kernel length */
+#define SMR_NORMAL_MORE 0.5f      /* variance of the motion from the start over the square of that motion */
+#define SMR_NORMAL_MOST 4.0e3f    /* largest variance of that motion over the field's: beyond it rounding is noise */
+#define SMR_NORMAL_TURN 0.1f      /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+
+/* The displacement from the start as a Gaussian process, observed along normals. */
+typedef struct normal_field {
+    const smr *s;
+    float *at;         /* [n][3] start positions of the observed vertices, mm */
+    float *normal;     /* [n][3] normals of the observed vertices in the start's frame */
+    float *moved;      /* [n] observed displacement along the normal, mm */
+    float *open;       /* [n] change of the coefficients by the variance of the motion from the start */
+    float *lower;      /* Cholesky factor of the observations' covariance, row by row */
+    uint32_t n;        /* number of observations; 0: too few */
+    smr_vec middle;    /* middle of the structure's box at the start, mm */
+    float motions;     /* variance of the motions over that of the displacement */
+    float per_length2; /* 1 / l^2 of the kernel length l, 1 / mm^2 */
+    float size2;       /* variance of the displacement along an axis, mm^2 */
+    smr_vec shift;     /* motion from the start to the pose of all visible vertices: shift of the middle, mm */
+    smr_vec turn;      /* the same motion: rotation about the middle, mm at a kernel length */
+    float more;        /* variance of the factor on this motion over the displacement's variance; 0: not used */
+    float again;       /* the factor on this motion that the observations then give */
+} normal_field;
+
+/* Places the arrays in the memory of sums. Returns the number of observations that this memory holds. */
+static uint32_t place(normal_field *f, const smr *s)
+{
+    const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
+    uint32_t most = SMR_OBSERVATIONS;
+    while (most > 0u && most * (most + 1u) / 2u + 8u * most > words)
+        most--;
+    f->at = (float *)s->overlay.sum;
+    f->normal = f->at + 3u * (size_t)most;
+    f->moved = f->normal + 3u * (size_t)most;
+    f->open = f->moved + most;
+    f->lower = f->open + most;
+    return most;
+}
+
+/* Returns 1 for a visible vertex with a normal. */
+static int is_observed(const smr *s, uint32_t v)
+{
+    const smr_vec n = smr_get3(s->shape.normal, v);
+    return smr_vertex_visible(s, v) && smr_dot(n, n) > 0.5f;
+}
+
+/* Observes every k-th visible vertex of the structure in stored order, and fits the pose of all visible vertices. */
+static void choose(normal_field *f, uint32_t structure, uint32_t most, smr_fit *fit)
+{
+    const smr *s = f->s;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    uint32_t total = 0, met = 0;
+    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    for (uint32_t i = 0; i < one->n_vertices; i++)
+        total += (uint32_t)is_observed(s, smr_model_position(s->shared.model, one->first_vertex + i));
+    const uint32_t wanted = smr_min_u32(total, most);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        if (smr_model_owner(s->shared.model, v) != structure)
+            continue;
+        const smr_vec p = smr_get3(s->shape.start, v);
+        box = (smr_box){smr_low(box.lo, p), smr_high(box.hi, p)};
+        if (!is_observed(s, v))
+            continue;
+        if (met == 0u)
+            smr_fit_start(fit, p, smr_get3(s->shape.x, v));
+        smr_fit_add(fit, p, smr_get3(s->shape.x, v), 1.0f);
+        if (f->n < wanted && (uint64_t)met * wanted >= (uint64_t)f->n * total) {
+            smr_put3(f->at, f->n, p);
+            smr_put3(f->normal, f->n, smr_get3(s->shape.normal, v));
+            smr_put3(f->lower, f->n++, smr_get3(s->shape.x, v)); /* kept until the factor needs the memory */
+        }
+        met++;
+    }
+    const float length = smr_max(SMR_NORMAL_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
+    f->per_length2 = 1.0f / (length * length);
+    f->middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
+}
+
+/* The vector from the box's middle to a position, in kernel lengths. */
+static smr_vec arm_of(const normal_field *f, smr_vec at)
+{
+    return smr_scale(smr_sub(at, f->middle), SMR_SQRT(f->per_length2));
+}
+
+/* The displacement by the motion from the start at this arm, mm. */
+static smr_vec motion_at(const normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
+
+/* Covariance of the displacement at a position with observation i, over size2. */
+static smr_vec with_observation(const normal_field *f, smr_vec at, uint32_t i)
+{
+    const smr_vec n = smr_get3(f->normal, i), from = smr_get3(f->at, i);
+    const smr_vec arm = arm_of(f, at), other = arm_of(f, from), apart = smr_sub(at, from);
+    const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
+    const smr_vec motions = smr_scale(smr_add(smr_add(n, turn), scale), f->motions);
+    const smr_vec more = smr_scale(motion_at(f, arm), f->more * smr_dot(motion_at(f, other), n));
+    return smr_add(smr_scale(n, smr_kernel(smr_dot(apart, apart), f->per_length2)), smr_add(motions, more));
+}
+
+/* Computes the Cholesky factor of the observations' covariance. */
+static void factor(normal_field *f)
+{
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec at = smr_get3(f->at, i), normal = smr_get3(f->normal, i);
+        for (uint32_t j = 0; j <= i; j++) {
+            const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? SMR_NORMAL_NOISE : 0.0f);
+            smr_factor_set(f->lower, i, j, both, 0.5f * SMR_NORMAL_NOISE);
+        }
+    }
+}
+
+/* Sets size2 to its most likely value, y K^-1 y / n. y: observed displacements. K: their covariance. */
+static void find_size(normal_field *f)
+{
+    memcpy(f->open, f->moved, f->n * sizeof *f->open);
+    smr_solve_forward(f->lower, f->n, f->open);
+    f->size2 = 0.0f;
+    for (uint32_t i = 0; i < f->n; i++)
+        f->size2 += f->open[i] * f->open[i] / (float)f->n;
+    memset(f->open, 0, f->n * sizeof *f->open);
+}
+
+/* Rotates v by the inverse of a pose's rotation. */
+static smr_vec turned_back(const smr_pose *p, smr_vec v)
+{
+    return smr_v(p->m[0][0] * v.x + p->m[1][0] * v.y + p->m[2][0] * v.z,
+                 p->m[0][1] * v.x + p->m[1][1] * v.y + p->m[2][1] * v.z,
+                 p->m[0][2] * v.x + p->m[1][2] * v.y + p->m[2][2] * v.z);
+}
+
+/* Computes the motion from the start to the pose. */
+static void find_motion(normal_field *f, const smr_pose *p)
+{
+    const float trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
+    const smr_vec axis = smr_v(p->m[2][1] - p->m[1][2], p->m[0][2] - p->m[2][0], p->m[1][0] - p->m[0][1]);
+    const float per = 2.0f / (SMR_SQRT(f->per_length2) * smr_max(1.0f + trace, SMR_NORMAL_TURN));
+    f->turn = smr_scale(axis, per);
+    f->shift = turned_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
+}
+
+/* Sets `open` to the change of the coefficients when the motion from the start has a variance. */
+static void open_motion(normal_field *f)
+{
+    const float square = smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn);
+    const float most = SMR_NORMAL_MOST * f->size2;
+    memcpy(f->open, f->moved, f->n * sizeof *f->open);
+    smr_solve_forward(f->lower, f->n, f->open);
+    smr_solve_back(f->lower, f->n, f->open);
+    f->more = SMR_NORMAL_MORE * square < most ? SMR_NORMAL_MORE / f->size2 : SMR_NORMAL_MOST / square;
+    factor(f);
+    smr_solve_forward(f->lower, f->n, f->moved);
+    smr_solve_back(f->lower, f->n, f->moved);
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec arm = arm_of(f, smr_get3(f->at, i));
+        f->again += f->more * f->open[i] * smr_dot(motion_at(f, arm), smr_get3(f->normal, i));
+        f->open[i] = f->moved[i] - f->open[i];
+    }
+}
+
+/* Returns 1 when the registration keeps the start where normals hardly determine positions. */
+static int keeps_to_start(const smr *s, uint32_t structure)
+{
+    return s->forces.surface.target[structure].surface != NULL && !s->forces.occluded.sheet && !s->schedule.tracking &&
+           s->shared.config.partial.n_landmarks == 0u && smr_visibility_always_partial(&s->forces.surface, structure);
+}
+
+/* Solves the field of a structure in the memory of sums, which is free between iterations. */
+static void solve_field(normal_field *f, const smr *s, uint32_t structure)
+{
+    smr_fit fit = {.weight = 0.0f};
+    *f = (normal_field){.s = s};
+    f->motions = s->forces.occluded.sheet ? 0.0f : SMR_NORMAL_MOTIONS; /* a sheet's borders determine its motion */
+    choose(f, structure, place(f, s), &fit);
+    if (f->n < SMR_OBSERVATIONS_LEAST) {
+        f->n = 0;
+        return;
+    }
+    const smr_pose pose = smr_fit_solve(&fit, 0);
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec posed = smr_pose_apply(&pose, smr_get3(f->at, i)), normal = smr_get3(f->normal, i);
+        f->moved[i] = smr_dot(smr_sub(smr_get3(f->lower, i), posed), normal);
+        smr_put3(f->normal, i, turned_back(&pose, normal));
+    }
+    factor(f);
+    find_size(f);
+    find_motion(f, &pose);
+    for (uint32_t i = 0; i < f->n; i++) /* adds the observed motion along the normals */
+        f->moved[i] += smr_dot(motion_at(f, arm_of(f, smr_get3(f->at, i))), smr_get3(f->normal, i));
+    if (keeps_to_start(s, structure) && smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn) > 0.0f)
+        open_motion(f);
+}
+
+/* The standard deviation of the position of stored vertex v, mm. */
+static float field_error(const normal_field *f, uint32_t v)
+{
+    const smr_vec at = smr_get3(f->s->shape.start, v);
+    float known[3u * SMR_OBSERVATIONS]; /* for each axis: L^-1 of the covariances with the observations */
+    const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
+    smr_vec displacement = smr_scale(motion, f->again);
+    float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm)) + f->more * smr_dot(motion, motion);
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec with = with_observation(f, at, i);
+        const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
+        smr_put3(known, i, one);
+        left -= smr_dot(one, one);
+        displacement = smr_add(displacement, smr_scale(with, f->open[i]));
+    }
+    return SMR_SQRT(smr_max(left, 0.0f) * f->size2 + smr_dot(displacement, displacement));
+}
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
 {
     const smr_shape_structure *one = &s->shape.structure[structure];
-    float *const expected = smr_vertex_expected(s);
     const float residual = smr_mean_of(e->residual, 0.0f);
-    smr_normal_field field;
-    if (smr_follows_landmarks(s, structure)) {
-        smr_measure_by_landmarks(s, structure, e);
-        return;
-    }
-    smr_normal_field_solve(&field, s, structure);
-    if (field.n > 0u)
-        smr_mean_add(&e->bend, SMR_SQRT(field.size2), (float)one->n_vertices);
+    const int by_landmarks = smr_follows_landmarks(s, structure);
+    float *const expected = smr_vertex_expected(s);
+    smr_occluded_field through = s->forces.occluded; /* a copy: the field's memory is free, and the original stays */
+    normal_field field;
+    if (!by_landmarks)
+        solve_field(&field, s, structure);
+    const float size2 = by_landmarks ? smr_landmark_field_solve(&through) : field.size2;
+    const int known = by_landmarks ? size2 >= 0.0f : field.n > 0u;
+    if (known)
+        smr_mean_add(&e->bend, SMR_SQRT(size2), (float)one->n_vertices);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         expected[v] = -1.0f;
-        if (field.n == 0u)
+        if (!known)
             continue;
-        const float error = smr_normal_field_error(&field, v);
-        expected[v] = SMR_SQRT(error * error + residual * residual);
+        const float error = by_landmarks ? 0.0f : field_error(&field, v);
+        const float error2 = by_landmarks ? 3.0f * size2 * smr_landmark_field_left(&through, v) : error * error;
+        expected[v] = SMR_SQRT(error2 + residual * residual);
         smr_mean_add(&e->expected, expected[v], 1.0f);
     }
 }

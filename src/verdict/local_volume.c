@@ -1,29 +1,29 @@
 /* local_volume.c: the change of volume around each vertex since the rest shape, on demand: the volume between the
- * surface of its cluster and the cluster's centre, now over at rest. It is measured, not derived from transforms, so
- * it includes folds and forces; a linear map would count bending as shrinking. Each vertex gets a third of its
- * triangles' normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of
- * records, sums and transforms.
+ * surface of a cluster and its centre, now over at rest. Volumes are measured, not derived from transforms, so they
+ * include folds and forces; a linear map would count bending as shrinking. Each vertex gets a third of its triangles'
+ * normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of records, sums and
+ * transforms.
  * Bounds: four passes over the vertices, two over the triangles, one over a radius' lists.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
 #include "geometry/box_tree/triangle.h"
 #include "registration/schedule_radius.h"
 
-#define SMR_LOCAL_EDGES 8.0f  /* default radius in mean edge lengths */
-#define SMR_LOCAL_MOST 1.0e6f /* largest ratio */
-#define SMR_LOCAL_LEAST 1.0e-18f
-#define SMR_SKIN 0.001f /* thickness that is added even to a closed surface, over the root of its area */
+#define SMR_LOCAL_EDGES 8.0f     /* default radius in mean edge lengths */
+#define SMR_LOCAL_MOST 1.0e6f    /* largest ratio of volumes */
+#define SMR_LOCAL_LEAST 1.0e-18f /* smallest area, mm^2, or volume, mm^3, that is divided by */
+#define SMR_SKIN 0.001f /* thickness of the layer that is added even to a closed surface, over the root of its area */
 
-/* Words of a vertex or a cluster: first of the present shape, then of the rest shape. */
+/* Words of the record of a vertex or a cluster: of the present shape, then as many of the rest shape. */
 enum { SMR_SIX_VOLUMES, SMR_NORMALS, SMR_MOMENTS = 4, SMR_TWO_AREAS = 7, SMR_LOCAL_WORDS };
 
 typedef struct local {
     const smr_shared *shared;
-    smr_schedule schedule; /* with the lists of the requested radius */
-    smr_shape shape;       /* with the pose from the rest shape to the present one */
+    smr_schedule schedule; /* a copy with the lists of the requested radius */
+    smr_shape shape;       /* a copy with the pose from the rest shape to the present one */
     smr_sums sums;
-    float *part;       /* [n][SMR_LOCAL_WORDS] values of each vertex */
-    float scale[2][2]; /* of areas and of volumes, now and at rest: stored = value * scale */
+    float *part;       /* [n][SMR_LOCAL_WORDS] floating-point values of each vertex, of one shape */
+    float scale[2][2]; /* [present, rest][areas, volumes] stored = value * scale */
 } local;
 
 static void begin(local *l, const smr *s, float radius_mm)
@@ -53,6 +53,7 @@ static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])
             l->part[SMR_LOCAL_WORDS * (size_t)t[c] + i] += words[i];
 }
 
+/* Writes the records of the present shape (rest 0) or of the rest shape (rest 1). */
 static void record(local *l, int rest)
 {
     const uint32_t n = l->shared->n;
@@ -82,10 +83,10 @@ static void record(local *l, int rest)
     }
 }
 
-/* Of a cluster: six times its volume about its centre, mm^3, and twice its area, mm^2. */
+/* Sizes of a cluster. */
 typedef struct bulk {
-    float volume, area;
-    float open; /* 0..1: 0 for a surface all around the cluster, 1 for a flat one */
+    float volume, area; /* six times the volume about the centre, mm^3; twice the area, mm^2 */
+    float open;         /* 0..1: 0 for a surface all around the cluster, 1 for a flat one */
 } bulk;
 
 static bulk bulk_of(const local *l, uint32_t v, int rest)
@@ -95,15 +96,14 @@ static bulk bulk_of(const local *l, uint32_t v, int rest)
     bulk b = {0.0f, smr_max(smr_unfix(w[SMR_TWO_AREAS], areas), 0.0f), 1.0f};
     if (!(b.area > SMR_LOCAL_LEAST))
         return b;
-    const smr_vec normal = smr_unfix3(w + SMR_NORMALS, areas);
-    const smr_vec middle = smr_unfix3(w + SMR_MOMENTS, volumes);
+    const smr_vec normal = smr_unfix3(w + SMR_NORMALS, areas), middle = smr_unfix3(w + SMR_MOMENTS, volumes);
     b.volume = smr_unfix(w[SMR_SIX_VOLUMES], volumes) - smr_dot(middle, normal) / b.area;
     b.open = smr_min(smr_length(normal) / b.area, 1.0f);
     return b;
 }
 
-/* The ratio of a cluster's volume to that at rest. A layer is added to the volume of an open surface, whose own
- * volume is small and changes with bending; its ratio then is that of the area. */
+/* The ratio of a cluster's volume to its volume at rest. An open surface has a small volume that changes with bending:
+ * a layer is added to it, so that the ratio is that of the areas. */
 static float ratio_at(const local *l, uint32_t v)
 {
     const bulk now = bulk_of(l, v, 0), rest = bulk_of(l, v, 1);

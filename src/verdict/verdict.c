@@ -1,10 +1,152 @@
-/* verdict.c: readings that judge a result: the verdict, visible vertices, expected errors.
+/* verdict.c: readings that judge a result: the verdict and its rules, visible vertices, expected errors. A measure
+ * beyond its limit is a reason. Limits are chosen so that generated runs that ended within a millimetre of the truth
+ * seldom exceed them, and failed runs do.
  * Bounds: those of the measures, once for each requested structure.
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures that are not good */
+#define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures whose verdict is not good */
+#define SMR_EXPECTED_MOST 4.5f  /* largest expected error, mm */
+#define SMR_EXPECTED_PART 3.4f  /* largest expected error with a partial target, mm: the rest is extrapolated */
+#define SMR_OPEN_MOST 0.75f     /* largest expected error over the bend */
+#define SMR_OPEN_LEAST 1.8f     /* mm: smaller expected errors are not compared with the bend */
+#define SMR_VISIBLE_LEAST 0.1f  /* smallest visible share of the model */
+#define SMR_VISIBLE_ALL 0.95f /* visible share above which the model is whole: other parts of the target are outliers */
+#define SMR_COVERED_LEAST 0.75f /* smallest covered share of the target for a whole model */
+#define SMR_COVERED_PART 0.95f  /* smallest covered share of the target for a partly visible model */
+#define SMR_COVERED_FAILED 0.5f /* covered share of the target below which the run failed */
+#define SMR_AGREE_LEAST 0.85f   /* smallest share of the area whose normals agree with the target's */
+#define SMR_AGREE_FAILED 0.6f   /* the share of agreeing normals below which the run failed */
+#define SMR_RESIDUAL_MOST 0.25f /* largest residual, in mean edge lengths */
+#define SMR_LANDMARK_MOST 3.0f  /* largest mean residual of landmarks, mm */
+#define SMR_SCALE_MOST 1.25f    /* largest change of size within the registration, and its inverse */
+#define SMR_SCALE_PART 1.06f    /* largest change of size with a partial target, which hardly determines the size */
+#define SMR_VISIBLE_PART 0.8f   /* visible share of the model below which the target is partial */
+#define SMR_STRAIN_MOST 0.25f
+#define SMR_STRAIN_SMOOTH 0.15f /* largest strain without noise of the target */
+#define SMR_STRAIN_NOISE 2.0f /* strain by noise of the target over the residual in mean edge lengths; squares add up */
+#define SMR_STRETCH_MOST 0.045f
+#define SMR_STRETCH_FAILED 0.2f
+#define SMR_VOLUME_MOST 1.25f /* largest change of volume, and its inverse */
+#define SMR_VOLUME_FAILED 2.0f
+#define SMR_ROTATION_MOST 14.0f /* largest rotation of a part, degrees */
+#define SMR_ROTATION_FAILED 40.0f
+#define SMR_BEND_MOST 20.0f /* largest bend, mm */
+#define SMR_SIMILARITY_LEAST 0.85f
+#define SMR_SIMILARITY_FAILED 0.5f
+#define SMR_GOALS_LEAST 0.85f
+#define SMR_GOALS_FAILED 0.3f
 
+const char *smr_reason_text(uint32_t bit)
+{
+    switch (bit) {
+    case SMR_REASON_NOTHING_VISIBLE: return "nothing of the target was seen: look at the start and at search distances";
+    case SMR_REASON_LITTLE_VISIBLE:
+        return "the target shows too little of the model to say where the rest is: look at what is not seen";
+    case SMR_REASON_EXPECTED: return "large errors are expected: look at the vertices whose expected error is high";
+    case SMR_REASON_UNCOVERED:
+        return "the model lies on too little of the target: look at the start, and for other bodies in the target";
+    case SMR_REASON_NORMALS:
+        return "normals of model and target disagree: look for a surface that is inside out, or a wrong start";
+    case SMR_REASON_RESIDUAL: return "seen vertices stay away from the target: look at its noise and at the start";
+    case SMR_REASON_SCALE:
+        return "the size has changed much for what is seen: look at units, or start with a scale that is known";
+    case SMR_REASON_STRAIN:
+        return "parts of the model have changed their size much: look whether the target is the same body";
+    case SMR_REASON_VOLUME: return "the volume has changed much: look whether the target is the same body, and closed";
+    case SMR_REASON_ROTATION: return "parts of the model have turned far: look at the start's rotation";
+    case SMR_REASON_BEND:
+        return "the model had to bend far: look whether the target is the same body, and at the start";
+    case SMR_REASON_SIMILARITY:
+        return "the image is hardly more like the model there than elsewhere: look at the image and the landmarks";
+    case SMR_REASON_GOALS:
+        return "many vertices found no goal in the image: look where the image ends or differs in contrast";
+    case SMR_REASON_STRUCTURES:
+        return "structures that are not good make up much of the model: look at their own verdicts";
+    default: return "";
+    }
+}
+
+/* Notes a reason when a measure exceeds a limit: `look` for a doubtful result, `failed` for a failed one. */
+static void check_most(smr_verdict *verdict, uint32_t reason, float measure, float look, float failed)
+{
+    const uint32_t level = measure > failed ? SMR_VERDICT_FAILED : measure > look ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD;
+    if (level == SMR_VERDICT_GOOD)
+        return;
+    verdict->reasons |= reason;
+    verdict->level = smr_max_u32(verdict->level, level);
+}
+
+/* Notes a reason when a measure lies below a limit. A measure below 0 was not taken. */
+static void check_least(smr_verdict *verdict, uint32_t reason, float measure, float look, float failed)
+{
+    if (measure >= 0.0f)
+        check_most(verdict, reason, -measure, -look, -failed);
+}
+
+/* The ratio or its inverse, whichever is at least 1. */
+static float beyond(float ratio) { return ratio > 1.0f ? ratio : ratio > 0.0f ? 1.0f / ratio : SMR_FAR; }
+
+/* Applies the rules for the deformation and the expected error. */
+static void judge_bend(smr_verdict *v)
+{
+    if (v->expected_error_mm > SMR_OPEN_LEAST)
+        check_most(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_OPEN_MOST * v->bend_mm, SMR_FAR);
+    check_most(v, SMR_REASON_STRAIN, v->stretch, SMR_STRETCH_MOST, SMR_STRETCH_FAILED);
+    check_most(v, SMR_REASON_STRAIN, v->strain, SMR_STRAIN_MOST, SMR_FAR);
+    check_most(v, SMR_REASON_VOLUME, beyond(v->volume_ratio), SMR_VOLUME_MOST, SMR_VOLUME_FAILED);
+    check_most(v, SMR_REASON_ROTATION, v->rotation_deg, SMR_ROTATION_MOST, SMR_ROTATION_FAILED);
+    check_most(v, SMR_REASON_BEND, v->bend_mm, SMR_BEND_MOST, SMR_FAR);
+    check_most(v, SMR_REASON_EXPECTED, v->expected_error_mm, SMR_EXPECTED_MOST, SMR_FAR);
+}
+
+/* The largest plausible strain. Squares of the strain by noise of the target add to it. */
+static float strain_most(const smr_verdict *v, float edge_mm)
+{
+    const float noise = SMR_STRAIN_NOISE * smr_max(v->residual_mm, 0.0f) / smr_max(edge_mm, 1.0e-6f);
+    return smr_min(SMR_STRAIN_MOST, SMR_SQRT(SMR_STRAIN_SMOOTH * SMR_STRAIN_SMOOTH + noise * noise));
+}
+
+static void judge_surface(smr_verdict *v, float edge_mm)
+{
+    const float covered = v->visible_share > SMR_VISIBLE_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
+    check_least(v, SMR_REASON_LITTLE_VISIBLE, v->visible_share, SMR_VISIBLE_LEAST, -1.0f);
+    if (v->visible_share < SMR_VISIBLE_PART)
+        check_most(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
+    check_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
+    check_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
+    check_most(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
+    check_most(v, SMR_REASON_STRAIN, v->strain, strain_most(v, edge_mm), SMR_FAR);
+    judge_bend(v);
+}
+
+/* Applies the rules for landmarks alone. Too few landmarks give no expected error. */
+static void judge_landmarks(smr_verdict *v)
+{
+    check_most(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm < 0.0f ? 1.0f : 0.0f, 0.5f, SMR_FAR);
+    check_most(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_LANDMARK_MOST, SMR_FAR);
+    judge_bend(v);
+}
+
+void smr_judge(smr_verdict *v, float edge_mm, int whole)
+{
+    const int part = whole && v->goals_share < 0.0f && v->visible_share < SMR_VISIBLE_PART;
+    v->level = SMR_VERDICT_GOOD;
+    v->reasons = 0;
+    if (!(v->visible_share > 0.0f))
+        check_most(v, SMR_REASON_NOTHING_VISIBLE, 1.0f, 0.0f, 0.5f);
+    check_most(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
+    if (v->goals_share >= 0.0f) {
+        check_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_SIMILARITY_LEAST, SMR_SIMILARITY_FAILED);
+        check_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
+    }
+    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals */
+        judge_surface(v, edge_mm);
+    else if (v->goals_share < 0.0f && v->residual_mm >= 0.0f)
+        judge_landmarks(v);
+}
+
+/* Checks that measures can be taken now and that `out` exists. Errors: E_NULL, E_STATE. */
 static smr_status check(const smr *s, const void *out)
 {
     if (s == NULL || out == NULL)
@@ -14,23 +156,14 @@ static smr_status check(const smr *s, const void *out)
     return SMR_OK;
 }
 
+/* Measures one structure. */
 static void gather(const smr *s, uint32_t structure, smr_evidence *e)
 {
     memset(e, 0, sizeof *e);
     if (s->shape.structure[structure].n_vertices == 0u)
         return;
     smr_measure_shape(s, structure, e);
-    const smr_surface *target = s->forces.surface.target[structure].surface;
-    if (target != NULL && smr_is_cloud(target))
-        smr_measure_points(s, structure, e);
-    else if (target != NULL)
-        smr_measure_surface(s, structure, e);
-    else if (s->forces.image.has_image)
-        smr_measure_image(s, structure, e);
-    else if (smr_follows_landmarks(s, structure))
-        smr_measure_landmarks(s, structure, e);
-    else if (smr_caller_has_goals(&s->forces.caller, structure))
-        smr_measure_caller(s, structure, e);
+    smr_measure_target(s, structure, e);
     smr_measure_expected(s, structure, e);
 }
 
@@ -44,8 +177,7 @@ static void add_all(smr_evidence *to, const smr_evidence *more)
     to->rotation_deg = smr_max(to->rotation_deg, more->rotation_deg);
 }
 
-_Static_assert(offsetof(smr_evidence, rotation_deg) == SMR_MEANS * sizeof(smr_mean), "the list has every mean");
-
+/* Computes the verdict on a structure or on the whole model (SMR_ALL) from its measures. */
 static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, smr_verdict *verdict)
 {
     memset(verdict, 0, sizeof *verdict);
@@ -66,13 +198,12 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u);
 }
 
-/* The verdict of all structures together, and the share of vertices in structures that are not good. */
+/* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not. */
 static void judge_all(const smr *s, smr_verdict *verdict)
 {
-    smr_evidence all;
+    smr_evidence all = {.rotation_deg = 0.0f};
     smr_verdict one;
     float n = 0.0f, doubtful = 0.0f;
-    memset(&all, 0, sizeof all);
     for (uint32_t i = 0; i < s->shared.n_structures; i++) {
         smr_evidence e;
         gather(s, i, &e);
@@ -101,10 +232,10 @@ smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
         return SMR_E_INPUT;
     if (structure == SMR_ALL) {
         judge_all(s, verdict);
-    } else {
-        gather(s, structure, &e);
-        conclude(s, structure, &e, verdict);
+        return SMR_OK;
     }
+    gather(s, structure, &e);
+    conclude(s, structure, &e, verdict);
     return SMR_OK;
 }
 

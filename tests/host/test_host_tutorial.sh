@@ -39,7 +39,7 @@ check "all frames are followed" [ "$(awk -F, 'NR > 1 && $6 == 1 && $7 == 0' movi
 check "the point is carried" grep -q '^"tumour"' points_now.csv
 
 # The table has every reason that the library gives, by its first words, and options that exist.
-grep -o 'return "[^"]*:' "$top/src/verdict/verdict_rules.c" | sed 's/^return "//; s/:$//' >reasons.txt
+grep -o 'return "[^"]*:' "$top/src/verdict/verdict.c" | sed 's/^return "//; s/:$//' >reasons.txt
 check "the library has reasons" [ "$(wc -l <reasons.txt)" -ge 14 ]
 lost=
 while read -r reason; do

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "start/align/align_side.h"
+#include "start/align/align.h"
 #include "geometry/surface/surface.h"
 #include "unit_mesh.h"
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "oracle.h"
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "registration/goals/external_forces.h"
 
 enum { N = 5000 }; /* so that controls are chosen in several tasks */

@@ -1,7 +1,6 @@
-/* contact.h: capability: structures that keep apart, keep their volumes, and stay smooth. In: positions, the ways to
- * goals, the moving triangles. Out: for each vertex what it touches and what is added to its force so that it does not
- * go in; positions under way that keep each closed structure's volume; a pull to the height over mesh neighbours that
- * the rest shape has.
+/* contact.h: capability: structures that keep apart, keep their volumes, and stay smooth. In: positions, displacements
+ * to goals, moving triangles. Out: each vertex' contacts, and the displacement that its force needs to end penetration;
+ * next positions that keep each closed structure's volume; displacements towards the rest shape's curvature.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CONTACT_H
 #define SMR_CONTACT_H
@@ -23,13 +22,12 @@
 
 /* A contact: a surface near a vertex. */
 typedef struct smr_touch {
-    /* number of a structure, or number of structures + number of a fixed surface; SMR_NONE: no contact */
-    uint32_t body;
-    uint32_t triangle; /* touched triangle of that body; `weight`: barycentric weights of the closest point */
-    float weight[3];
-    float out[3]; /* unit vector that points out of the body */
-    float mm;     /* distance to the body, mm; negative inside */
-    float share;  /* 0..1: weight of the contact */
+    uint32_t body;     /* a structure, or number of structures + number of a fixed surface; SMR_NONE: no contact */
+    uint32_t triangle; /* touched triangle of the body */
+    float weight[3];   /* barycentric weights of the triangle's closest point */
+    float out[3];      /* unit vector that points out of the body */
+    float mm;          /* distance to the body, mm; negative inside */
+    float share;       /* 0..1: weight of the contact */
 } smr_touch;
 
 /* A fixed surface, as it was set. */
@@ -42,21 +40,16 @@ typedef struct smr_contact {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;
-    const float *moved_mm;    /* largest displacement of the last iteration */
-    smr_fixed_surface *fixed; /* [config.contact.n_fixed] */
-    /* NULL: config.contact.share is 0 */
-    /* [n_bodies][6] lowest and highest corner of each body, mm from the shape's origin. Structures' boxes are those
-     * at the start of the iteration */
-    float *box;
+    const float *moved_mm;     /* largest displacement of the last iteration, mm */
+    smr_fixed_surface *fixed;  /* [config.contact.n_fixed]; the arrays below are NULL when config.contact.share is 0 */
+    float *box;                /* [n_bodies][6] box of each body when the iteration began: low and high corner, mm */
     uint8_t *closed;           /* [n_structures] 1: the structure is closed and its triangles face outwards */
     smr_touch *touch;          /* [n][SMR_TOUCHES] contacts of each vertex in the current iteration */
     smr_touch *triangle_touch; /* [n_triangles] contacts of triangles' centres, where triangles_due is 1 */
     uint32_t triangles_due;    /* 1: this iteration also tests triangles' centres */
-    float *push;               /* [n][3] mm: displacement that is added to the force */
-    /* [n] mm, of the last complete forces. Above 0: distance to the nearest surface is at least this; below 0: depth
-     * inside */
-    float *reach;
-    float *reach_next; /* [n] mm: the same bound, of the current forces */
+    float *push;               /* [n][3] displacement that is added to the force, mm */
+    float *reach;      /* [n] lower bound on the distance to bodies, mm, of the last complete forces; < 0: inside */
+    float *reach_next; /* [n] lower bound on the distance to bodies, mm, of the current forces */
 } smr_contact;
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
@@ -64,14 +57,12 @@ void smr_contact_model(smr_contact *c);  /* computes what depends on the model a
 void smr_contact_reset(smr_contact *c);  /* sets all distance bounds to unknown */
 void smr_contact_begin(smr_contact *c);  /* called when an iteration begins */
 void smr_contact_commit(smr_contact *c); /* called when the current forces are complete */
-/* Sets or removes (NULL) a fixed surface. All distance bounds become unknown. */
-void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface);
+void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets or removes (NULL) a surface */
 int smr_fixed_valid(const smr_contact *c); /* 1: no fixed surface has changed since it was set */
 
 static inline int smr_contact_used(const smr_contact *c) { return SMR_HAS_CONTACT && c->touch != NULL; }
 
-/* Returns 1 when contacts act in this iteration. In clusters that hold several structures the displacements of both
- * sides would cancel. */
+/* Returns 1 when contacts act in this iteration. In clusters of several structures both sides' displacements cancel. */
 static inline int smr_contact_on(const smr_contact *c)
 {
     return smr_contact_used(c) && c->schedule->repairing == 0u &&
@@ -79,36 +70,32 @@ static inline int smr_contact_on(const smr_contact *c)
             smr_model_separate(c->shared->model, c->schedule->radius));
 }
 
-/* Finds the contacts of a vertex; of the centre of a triangle, in iterations with triangles_due. */
-void smr_contact_find(smr_contact *c, uint32_t v);
-void smr_contact_find_triangle(smr_contact *c, uint32_t triangle);
-
-/* The stored vertices of the touched triangle; NULL for a fixed surface. */
-const uint32_t *smr_touch_corners(const smr_contact *c, const smr_touch *touch);
+void smr_contact_find(smr_contact *c, uint32_t v);                 /* finds the contacts of a vertex */
+void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* finds the contact of a triangle's centre */
 
 /* The displacement of vertex v that removes its share of the penetration when all vertices move by `displaced`, mm. */
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);
 smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx);
 
-/* Contact projection of the current positions, at the last radius. The stage is smr_contact. */
+/* Step: projects the next positions out of contacts, at the last radius. */
 uint32_t smr_contact_project_tasks(const void *contact);
 void smr_contact_project(void *contact, uint32_t task, uint32_t worker); /* tasks run one after the other */
 
 /* ---- volumes ---- */
 
-#define SMR_VOLUME_RATIO_LEAST 0.1f
-#define SMR_VOLUME_RATIO_MOST 10.0f
+#define SMR_VOLUME_RATIO_LEAST 0.1f /* smallest ratio that the caller may set */
+#define SMR_VOLUME_RATIO_MOST 10.0f /* largest ratio that the caller may set */
 
 /* The volume of one structure. Ratios are volume over rest_mm3. */
 typedef struct smr_kept_volume {
     uint32_t closed; /* 1: the structure is closed and its volume is corrected; 0: the other fields are not used */
     float model_mm3; /* volume of the rest shape, mm^3 */
     float rest_mm3; /* volume of the rest shape in the scale of the start, mm^3; negative when triangles face inwards */
-    /* volume over area (half the mean thickness) of the rest shape; the same in the scale of the start, mm */
-    float model_thick_mm, thick_mm;
-    float ratio;          /* the caller's ratio */
-    float ratio_at_begin; /* the caller's ratio when the current iteration began */
-    float now; /* ratio that the current iteration aims at: moves in steps from the start's to the caller's */
+    float model_thick_mm;  /* volume over area (half the mean thickness) of the rest shape, mm */
+    float thick_mm;        /* model_thick_mm in the scale of the start, mm */
+    float ratio;           /* the caller's ratio */
+    float ratio_at_begin;  /* the caller's ratio when the current iteration began */
+    float now;             /* ratio of the current iteration: goes in steps from the start's to the caller's */
     float displacement_mm; /* displacement of each vertex along its normal, mm */
     smr_vec apex;          /* common apex of the cones over the triangles, whose volumes are summed, mm */
     smr_enclosed sum;      /* sum of the cones so far */
@@ -117,21 +104,20 @@ typedef struct smr_kept_volume {
 typedef struct smr_volumes {
     const smr_shared *shared;
     const smr_schedule *schedule;
-    const smr_shape *shape; /* x_next is changed */
-    const uint32_t *sum;    /* [n][SMR_WORDS]: the next normals lie there */
+    const smr_shape *shape; /* steps change x_next of the shape */
+    const uint32_t *sum;    /* [n][SMR_WORDS] sums, which hold the next normals */
     smr_kept_volume *kept;  /* [n_structures]; NULL: config.contact.volume is 0 */
 } smr_volumes;
 
 static inline int smr_volumes_used(const smr_volumes *v) { return SMR_HAS_CONTACT && v->kept != NULL; }
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);
-void smr_volumes_model(smr_volumes *v); /* computes what follows from the model alone; sets ratios to 1 */
-void smr_volumes_scale(smr_volumes *v); /* computes what follows from the start positions, which are new or restored */
-/* the same, and the present volumes become the start of the steps to the ratios */
-void smr_volumes_start(smr_volumes *v);
+void smr_volumes_model(smr_volumes *v);        /* computes volumes at rest; sets ratios to 1 */
+void smr_volumes_scale(smr_volumes *v);        /* scales volumes at rest to the start positions */
+void smr_volumes_start(smr_volumes *v);        /* scales, and starts steps to the ratios at the present volumes */
 void smr_volumes_begin(smr_volumes *v);        /* called when an iteration begins */
 int smr_volumes_pending(const smr_volumes *v); /* 1: some volume has not reached its ratio */
-void smr_volumes_commit(smr_volumes *v);       /* called when an iteration is complete: a step towards the ratios */
+void smr_volumes_commit(smr_volumes *v);       /* called when an iteration is complete: steps towards the ratios */
 
 /* Step: sums over triangles, then positions. Tasks run one after the other. */
 uint32_t smr_volume_tasks(const void *volumes);
@@ -145,20 +131,18 @@ typedef struct smr_smooth {
     const smr_shape *shape;
     smr_rings rings; /* sums of the mesh neighbours' positions */
     float side;      /* sign of the heights in the start pose: -1 when it is mirrored */
-    /* [n] mm at rest: height of the mesh neighbours' mean over the vertex, along its normal; NULL: smoothing is off */
-    float *height;
+    float *height;   /* [n] height of the mesh neighbours' mean over each vertex at rest, mm; NULL: smoothing is off */
 } smr_smooth;
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
-void smr_smooth_rest(smr_smooth *s); /* computes the heights; positions are those of the rest shape */
-
+void smr_smooth_rest(smr_smooth *s);  /* computes the heights; positions are those of the rest shape */
 void smr_smooth_start(smr_smooth *s); /* called when positions start anew or are restored */
 
 /* Step: sums over mesh neighbours. Tasks run one after the other. */
 uint32_t smr_smooth_tasks(const void *smooth);
 void smr_smooth_sum(void *smooth, uint32_t task, uint32_t worker);
 
-/* Averages a displacement to a goal with the smoothing displacement, where the step has tasks. */
+/* Averages a displacement to a goal with the smoothing displacement, in iterations in which the step has tasks. */
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement);
 
 #endif

@@ -1,8 +1,7 @@
 /* curvature_smoothing.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean over a
  * vertex, along the normal, is the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex moves
- * along its normal until that height equals the one at rest, scaled like the start. Noise falls, while edges and dents
- * of the rest shape stay. Rigid motions and bending are not resisted, since heights are relative to the surface.
- * Borders do not shrink, since nothing moves along the surface.
+ * along its normal until this height equals the height at rest, scaled like the start. Noise falls, while edges and
+ * dents of the rest shape stay. Rigid motions and bending are not resisted; borders do not shrink.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
@@ -10,7 +9,7 @@
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
 {
     if (shared->config.contact.smooth > 0.0f)
-        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* of the model: smr_init() */
+        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* smr_smooth_rest() computes them */
 }
 
 static uint32_t ring_tasks(const smr_smooth *s) { return smr_ceil_div(s->shared->n_triangles, SMR_TRIANGLE_CHUNK); }
@@ -37,6 +36,7 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
         smr_ring_add(&s->rings, s->shared->triangle + 3u * (size_t)k, s->shape->x);
 }
 
+/* The height of the mesh neighbours' mean over a vertex along its normal, mm. */
 static float height_of(const smr_smooth *s, uint32_t v)
 {
     if (!(s->rings.weight[v] > 0.0f))

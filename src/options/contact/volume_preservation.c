@@ -1,16 +1,15 @@
-/* volume_preservation.c: corrects each closed structure's volume in each iteration: all its vertices move equally
- * far along their normals. This is the projection of position based dynamics (Mueller et al. 2007) with vertices
- * weighted by area: the smallest displacement that gives the volume. It comes after the forces and the clusters, so
- * a target with another volume keeps the surface at equal distance everywhere. At radii larger than a structure's
- * thickness the clusters restore parts that would become thin.
- * A new ratio is reached in steps, so that coarse clusters can spread the change.
+/* volume_preservation.c: corrects each closed structure's volume in each iteration: all its vertices move equally far
+ * along their normals. This is the projection of position based dynamics (Mueller et al. 2007) with vertices weighted
+ * by area: the smallest displacement that gives the volume. It follows forces and clusters, so a target with another
+ * volume keeps the surface at equal distance everywhere. At radii larger than a structure's thickness the clusters
+ * restore parts that would become thin. A new ratio is reached in steps, so that coarse clusters can spread the change.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
 
 #define SMR_VOLUME_STEP 0.04f      /* largest change of the requested volume in an iteration, over the volume */
 #define SMR_DISPLACEMENT_MOST 0.5f /* largest displacement in an iteration, over half the thickness */
-#define SMR_NOW_MOST 100.0f        /* largest ratio of the start volume to the rest volume, and its inverse */
+#define SMR_NOW_MOST 100.0f        /* largest absolute ratio of an iteration */
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
 {
@@ -86,6 +85,7 @@ uint32_t smr_volume_tasks(const void *arg)
     return v->kept != NULL && v->schedule->repairing == 0u ? sum_tasks(v) + v->shared->n_tasks : 0u;
 }
 
+/* The sum of the cones over triangles from .. to - 1. */
 static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, smr_vec apex)
 {
     smr_enclosed sum = {{0, 0, 0, 0}};
@@ -124,11 +124,9 @@ static void choose_displacements(smr_volumes *v)
 {
     for (uint32_t i = 0; i < v->shared->n_structures; i++) {
         smr_kept_volume *one = &v->kept[i];
-        one->displacement_mm = 0.0f;
-        if (one->closed)
-            one->displacement_mm =
-                v->shared->config.contact.volume *
-                smr_enclosed_displacement(&one->sum, one->now * one->rest_mm3, SMR_DISPLACEMENT_MOST * one->thick_mm);
+        const float most = SMR_DISPLACEMENT_MOST * one->thick_mm, share = v->shared->config.contact.volume;
+        one->displacement_mm =
+            one->closed ? share * smr_enclosed_displacement(&one->sum, one->now * one->rest_mm3, most) : 0.0f;
     }
 }
 

@@ -1,24 +1,22 @@
 /* dynamics_energy.c: velocities and energies at the end of a time step. Near pinned vertices, and where structures
- * share clusters, the clusters' fits are approximate, and time steps could add energy without limit. Therefore energy
- * is counted, and velocities are scaled down when there is too much (passivity observer and controller; Hannaford and
- * Ryu 2002). Structures that share clusters are counted together, since they exchange energy. Without pinned
- * vertices, linear and angular momentum are conserved.
+ * share clusters, fits are approximate, and steps could add energy without limit. Therefore energy is counted, of
+ * structures that share clusters together, and velocities are scaled down when there is too much (passivity observer
+ * and controller; Hannaford and Ryu 2002). Without pinned vertices, linear and angular momentum are conserved.
  * Bounds: three passes over the vertices, cut into tasks; one in a piece.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
-
 #include "geometry/linear_solve/eigen_jacobi.h"
 
 #define SMR_LESS 0.999999f /* factor on the permitted energy, since sums are rounded */
-/* pinned vertices thinner than this share of their length form a line, about which they may turn */
-#define SMR_LINE 1.0e-4f
+#define SMR_LINE 1.0e-4f   /* pinned vertices thinner than this share of their length form a line and turn about it */
 
 /* The passes of the summation. Each pass uses the results of the ones before. */
 enum { MEANS, TURNS, ENERGY, PASSES };
 
-/* Position at the end of the time step: x_next, while the step's last iteration runs. */
+/* The position at the end of the time step, mm: x_next, while the step's last iteration runs. */
 static smr_vec next_of(const smr *s, uint32_t v) { return smr_get3(s->shape.x_next, v); }
 
+/* The displacement of a vertex in the time step, mm. */
 static smr_vec displacement_of(const smr *s, uint32_t v)
 {
     return smr_sub(next_of(s, v), smr_get3(s->shape.dynamics->begin, v));
@@ -71,7 +69,7 @@ static void add_turn(smr_step_sums *to, float mass, smr_vec r, smr_vec displacem
     *turn = smr_add(*turn, smr_scale(smr_cross(r, displacement), mass));
 }
 
-/* Adds a vertex to the rotation of its group, or of its structure's pinned vertices off the reference shape. */
+/* Adds a vertex to the rotation of its group, or to that of its structure's pinned vertices off the reference shape. */
 static void add_turns(const smr *s, uint32_t v, const smr_step_sums *own, const smr_step_sums *lead,
                       smr_step_sums *to_own, smr_step_sums *to_lead)
 {
@@ -96,8 +94,8 @@ static void end_turns(smr_dynamics *d, uint32_t n_structures)
     }
 }
 
-/* The displacement of a point by its group's rotation, besides the mean displacement, mm. */
-static smr_vec turn_displacement(const smr_step_sums *group, smr_vec x)
+/* The displacement of a point by the rotation of its group, mm. */
+static smr_vec turned(const smr_step_sums *group, smr_vec x)
 {
     return smr_cross(group->spin, smr_sub(x, group->middle));
 }
@@ -110,14 +108,14 @@ static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, fl
     const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
     sum[SMR_BEFORE] += 0.5f * mass * smr_dot(speed, speed);
     sum[SMR_AFTER] += 0.5f * mass / h2 * smr_dot(displacement, displacement);
-    const smr_vec turned = turn_displacement(group, next_of(s, v));
-    sum[SMR_SPIN] += 0.5f * mass / h2 * smr_dot(turned, turned);
+    const smr_vec spin = turned(group, next_of(s, v));
+    sum[SMR_SPIN] += 0.5f * mass / h2 * smr_dot(spin, spin);
     sum[SMR_WORK] += mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), displacement);
     sum[SMR_PUSHED] += mass > 0.0f || !(smr_dot(all, all) > 0.0f) ? 0.0f : 1.0f;
 }
 
-/* Adds elastic energy: half the product of force and deviation (Clapeyron). The force follows from the step, M (x -
- * y) / h^2. The rigid motion of pinned vertices off the reference shape does no work. */
+/* Adds elastic energy: half the product of force and deviation (Clapeyron). The force is M (x - y) / h^2. The rigid
+ * motion of pinned vertices off the reference shape does no work. */
 static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, const smr_step_sums *own,
                         float sum[SMR_STEP_ENERGIES])
 {
@@ -129,8 +127,7 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
         return;
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
         const float share = s->shared.config.forces.stiffness, k = s->shared.config.dynamics.elastic;
-        /* displacement since the goal was searched for */
-        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v));
+        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v)); /* since the search for the goal */
         const smr_vec pull = smr_sub(smr_get3(s->forces.force, v), smr_scale(moved, share));
         sum[SMR_GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
         sum[SMR_WORK] += mass * k * smr_dot(pull, smr_sub(displacement_of(s, v), group->displacement));
@@ -145,7 +142,7 @@ uint32_t smr_step_energy_tasks(const void *arg)
     return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.track_rest->n_tasks : 0u;
 }
 
-/* Adds the sums of a chunk to those of its structure and group, which keeps rounding small. */
+/* Adds the sums of a chunk to those of its structure or group; sums of chunks keep rounding small. */
 static void add_sums(smr_step_sums *to, const smr_step_sums *part)
 {
     to->mass += part->mass;
@@ -160,10 +157,9 @@ static void add_sums(smr_step_sums *to, const smr_step_sums *part)
     for (uint32_t i = 0; i < 6u; i++)
         to->inertia[i] += part->inertia[i];
     for (uint32_t i = 0; i < SMR_STEP_ENERGIES; i++)
-        to->energy[i] += 0.001f * part->energy[i]; /* to uJ */
+        to->energy[i] += 0.001f * part->energy[i]; /* converts nJ to uJ */
 }
 
-/* Step: adds a chunk of one structure, in the caller's order. */
 void smr_step_energy(void *arg, uint32_t task, uint32_t worker)
 {
     const smr *s = arg;
@@ -179,11 +175,9 @@ void smr_step_energy(void *arg, uint32_t task, uint32_t worker)
     }
     smr_step_sums *const own = d->sums + d->structure, *const lead = d->sums + d->group[d->structure];
     const uint32_t n = s->shape.structure[d->structure].n_vertices, last = smr_min_u32(d->vertex + SMR_MATCH_CHUNK, n);
-    smr_step_sums of_own, of_lead;
-    memset(&of_own, 0, sizeof of_own);
-    memset(&of_lead, 0, sizeof of_lead);
+    smr_step_sums of_own = {.fixed = 0}, of_lead = of_own;
     for (uint32_t i = d->vertex; i < last; i++) {
-        const uint32_t v = smr_vertex_of(s, d->structure, i);
+        const uint32_t v = smr_model_position(s->shared.model, s->shape.structure[d->structure].first_vertex + i);
         if (pass == MEANS) {
             add_means(s, v, &of_own, &of_lead);
         } else if (pass == TURNS) {
@@ -201,12 +195,12 @@ void smr_step_energy(void *arg, uint32_t task, uint32_t worker)
 
 /* Computes the factors on the velocities of a group from two limits on its energy.
  * - `spare`: kinetic plus elastic energy must not exceed the energy at the start plus the work of gravity and goals
- *   since, minus damping. `spare` holds the elastic energy and what steps took; a step may add as much.
- * - `bent`: kinetic energy must not exceed that of the step before plus the work plus `bent`, the elastic energy as
- *   reported. Elastic energy is approximate; growth beyond this limit is not reported, so that the reported sum
- *   never grows. Below 0 it is work that was done without energy.
- * Excess is taken first from motion besides the rotation, then from the rotation. Energy from new masses or moving
- * pins is unknown: such a step is not limited. */
+ *   since, minus damping. `spare` holds the elastic energy, and the energy that steps took besides damping.
+ * - `bent`: kinetic energy must not exceed that of the step before plus the work plus `bent`, the reported elastic
+ *   energy. It is approximate: growth beyond this limit is not reported, so that the reported sum never grows. Below 0
+ *   it is work that was done without energy.
+ * Excess is taken first from motion besides the rotation, then from the rotation. A step with new masses or moving pins
+ * is not limited, since their energy is unknown. */
 static void find_shares(smr_dynamics *d, uint32_t lead)
 {
     smr_step_sums *const group = d->sums + lead;
@@ -229,11 +223,6 @@ static void find_shares(smr_dynamics *d, uint32_t lead)
     group->spin_share = left < now[SMR_SPIN] ? SMR_SQRT(left / now[SMR_SPIN]) : 1.0f;
 }
 
-static float speed_of(float displacement, float per_s)
-{
-    return smr_clamp(displacement * per_s, -SMR_SPEED_MOST, SMR_SPEED_MOST);
-}
-
 void smr_step_velocities(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
@@ -248,15 +237,13 @@ void smr_step_velocities(smr *s)
         const smr_vec x = smr_get3(s->shape.x, v);
         smr_vec displacement = smr_sub(x, smr_get3(d->begin, v));
         if (group->share < 1.0f) {
-            const smr_vec turned = turn_displacement(group, x),
-                          beside = smr_sub(smr_sub(displacement, group->displacement), turned);
-            displacement = smr_add(group->displacement, smr_scale(turned, group->spin_share));
+            const smr_vec spin = turned(group, x);
+            const smr_vec beside = smr_sub(smr_sub(displacement, group->displacement), spin);
+            displacement = smr_add(group->displacement, smr_scale(spin, group->spin_share));
             displacement = smr_add(displacement, smr_scale(beside, group->share));
         }
         if (d->mass[v] > 0.0f)
-            smr_put3(d->velocity, v,
-                     smr_v(speed_of(displacement.x, per_s), speed_of(displacement.y, per_s),
-                           speed_of(displacement.z, per_s)));
+            smr_put3(d->velocity, v, smr_clamped(smr_scale(displacement, per_s), SMR_SPEED_MOST));
         smr_put3(d->begin, v, x);
     }
 }

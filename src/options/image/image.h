@@ -1,5 +1,5 @@
-/* image.h: capability: images. Goals in the target image (paper 2.1) and what fills in where the image shows none. In:
- * positions, normals, the image, the model's intensity profiles. Out: the way to each vertex' goal.
+/* image.h: capability: images. Goals in the target image (paper 2.1), and smoothing where the image shows none. In:
+ * positions, normals, the image, the model's intensity profiles. Out: the displacement of each vertex to its goal.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_IMAGE_H
 #define SMR_IMAGE_H
@@ -15,23 +15,23 @@
 #define SMR_HAS_IMAGE 1
 #endif
 
-#define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image: one costs as much as forty on a surface */
+#define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image: each costs as much as forty on a surface */
 #define SMR_CONTRAST_ONE 64u  /* stored contrast when the image has the contrast of the profile */
 #define SMR_BRIGHTER_NONE 128 /* stored brightness when the image is as bright as the profile */
 
 /* Results of one structure's search in the image in the last iteration, and settings of its next search. */
 typedef struct smr_image_structure {
-    uint32_t n_goals;   /* vertices with a goal */
-    uint32_t n_decided; /* vertices for which the image decides whether there is a goal */
-    smr_box box;        /* box around the structure's vertices, mm */
-    float wide_mm;      /* search distance of profiles, mm, where it exceeds schedule.profile_mm */
-    float noise;        /* noise level, intensity: lower contrast counts as none */
-    float gain;         /* contrast of the image over that of the profiles, mean over the goals */
-    float gain_sum, gain_weight;
-    float brighter; /* brightness of the image minus that of the profiles, mean over the goals */
-    float brighter_sum;
-    uint32_t idle; /* 1: the last complete forces did not search the image for this structure */
-    float matched; /* while idle: share of vertices with a goal in the last search; -1: never searched */
+    uint32_t n_goals;            /* vertices with a goal */
+    uint32_t n_decided;          /* vertices for which the image decides whether there is a goal */
+    smr_box box;                 /* box around the structure's vertices, mm */
+    float wide_mm;               /* search distance of profiles, mm, where it exceeds schedule.profile_mm */
+    float noise;                 /* noise level, intensity: lower contrast counts as none */
+    float gain;                  /* contrast of the image over that of the profiles, mean over the goals */
+    float gain_sum, gain_weight; /* weighted sum of contrasts at goals; sum of weights */
+    float brighter;              /* brightness of the image minus that of the profiles, mean over the goals */
+    float brighter_sum;          /* weighted sum of brightness at goals */
+    uint32_t idle;               /* 1: the last complete forces did not search the image for this structure */
+    float matched;               /* while idle: share of vertices with a goal in the last search; -1: never searched */
 } smr_image_structure;
 
 typedef struct smr_image_goals {
@@ -44,13 +44,13 @@ typedef struct smr_image_goals {
     smr_grid grid;                  /* the target image */
     smr_image_structure *structure; /* [n_structures] each structure's search in the image */
     uint32_t ring_pieces;           /* pieces of a structure in the current step; 0 and 1: the structure is one task */
-    /* comparison of image and profile at each goal: of the last complete forces, and of the current ones */
-    /* [n] contrast of the image over the profile's, in units of 1 / SMR_CONTRAST_ONE; 0: unknown */
-    uint8_t *contrast, *contrast_next;
-    uint8_t *brighter, *brighter_next; /* [n] brightness, image minus profile, in noise units; SMR_BRIGHTER_NONE is 0 */
+    uint8_t *contrast;      /* [n] image's contrast over the profile's at the goal, * SMR_CONTRAST_ONE; 0: unknown */
+    uint8_t *contrast_next; /* [n] the same contrast in the current forces */
+    uint8_t *brighter;      /* [n] brightness at the goal, image minus profile, in noise units + SMR_BRIGHTER_NONE */
+    uint8_t *brighter_next; /* [n] the same brightness in the current forces */
 } smr_image_goals;
 
-/* 1: structures without a surface follow an image. */
+/* Returns 1 when structures without a surface follow an image. */
 static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE && g->has_image; }
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
@@ -66,24 +66,15 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement);
 
 /* Returns 1 when the current forces search the image for this structure: some search distance reaches a sample. */
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure);
-
-/* Marks vertex v as having no goal in the current forces. */
-void smr_image_forget(smr_image_goals *g, uint32_t v);
-
-/* Keeps the last contrast and brightness of vertex v. */
-void smr_image_keep(smr_image_goals *g, uint32_t v);
-
-/* Prefetches the voxels for the search of vertex v. */
-void smr_image_ahead(const smr_image_goals *g, uint32_t v);
-
-/* image_similarity: whether profiles match better in their places than beside them. */
+void smr_image_forget(smr_image_goals *g, uint32_t v);      /* marks v as having no goal in the current forces */
+void smr_image_keep(smr_image_goals *g, uint32_t v);        /* keeps the last contrast and brightness of v */
+void smr_image_ahead(const smr_image_goals *g, uint32_t v); /* prefetches the voxels for the search of v */
 
 /* Compares the profile of v in its place with the same profile in places beside it. *wins: comparisons won minus
- * comparisons lost, of *n. Returns the similarity in its place, -1..1. *n is 0 when v has no profile or a sample
- * lies outside the image. */
-float smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n);
+ * comparisons lost, of *n. *n is 0 when v has no profile or a sample lies outside the image. */
+void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n);
 
-/* Sums over mesh neighbours, and the displacement of a vertex without a goal. */
+/* Step: sums over mesh neighbours, abreast for all structures. Then the displacement of a vertex without a goal, mm. */
 uint32_t smr_fill_tasks(const void *goals);
 uint32_t smr_fill_abreast(const void *goals);
 void smr_fill_pieces(void *goals, int cut);

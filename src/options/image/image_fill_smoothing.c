@@ -1,22 +1,19 @@
 /* image_fill_smoothing.c: smoothing force where the image shows no goal (paper 2.3, other forces). A vertex without a
- * goal moves towards the mean of its mesh neighbours, so that parts that the image does not have shrink back. Vertices
- * with a goal are not smoothed, nor are structures of which less than half of the vertices had a goal: these must
- * not collapse. The force falls to 0 at the end of the schedule, as all image forces do.
- * The same pass computes each structure's share of vertices with a goal, which sets the search distance, and its
- * contrast and brightness in the image, with which the next profiles are compared.
+ * goal moves towards the mean of its mesh neighbours, so that parts that the image lacks shrink back. Vertices with a
+ * goal are not smoothed, nor are structures of which less than half had a goal: these must not collapse. The force
+ * falls to 0 with the schedule. The same pass computes each structure's share of vertices with a goal, which sets the
+ * search distance, and its contrast and brightness for the next comparisons with profiles.
  * Bounds: one pass over a structure's vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
 
-#define SMR_GAIN_LEAST 0.25f  /* smallest contrast of the image over that of the profiles */
-#define SMR_ABOVE_MOST 100.0f /* largest weight of a profile: its range over the noise */
-/* share of a structure's vertices with a goal, from which on the search distance is the usual one */
-#define SMR_MATCHED_WELL 0.8f
-#define SMR_MATCHED_BADLY 0.5f /* the same share, below which the structure counts as lost */
+#define SMR_GAIN_LEAST 0.25f   /* smallest contrast of the image over that of the profiles */
+#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile: its range over the noise */
+#define SMR_MATCHED_WELL 0.8f  /* share of a structure's vertices with a goal: from it on the search is usual */
+#define SMR_MATCHED_BADLY 0.5f /* the same share: with less the structure counts as lost */
 
-/* Tasks: one for each structure without a budget. With a budget a structure is cut into pieces, first of its
- * vertices, then of its triangles. The same piece of all structures comes before the next one: task = piece *
- * n_structures + structure. */
+/* Without a budget each structure is a task. With a budget it is cut into pieces, of its vertices, then of its
+ * triangles, and the same piece of all structures comes before the next: task = piece * n_structures + structure. */
 uint32_t smr_fill_tasks(const void *arg)
 {
     const smr_image_goals *g = arg;
@@ -25,10 +22,7 @@ uint32_t smr_fill_tasks(const void *arg)
 
 uint32_t smr_fill_abreast(const void *arg) { return ((const smr_image_goals *)arg)->shared->n_structures; }
 
-static uint32_t vertex_pieces(const smr_shape_structure *one)
-{
-    return smr_ceil_div(one->n_vertices, SMR_TRIANGLE_CHUNK);
-}
+static uint32_t pieces(uint32_t n) { return smr_ceil_div(n, SMR_TRIANGLE_CHUNK); }
 
 void smr_fill_pieces(void *arg, int cut)
 {
@@ -36,13 +30,11 @@ void smr_fill_pieces(void *arg, int cut)
     g->ring_pieces = 1;
     for (uint32_t i = 0; cut && i < g->shared->n_structures; i++) {
         const smr_shape_structure *one = &g->shape->structure[i];
-        const uint32_t triangle_pieces = smr_ceil_div(one->tree.n_triangles, SMR_TRIANGLE_CHUNK);
-        g->ring_pieces = smr_max_u32(g->ring_pieces, vertex_pieces(one) + triangle_pieces);
+        g->ring_pieces = smr_max_u32(g->ring_pieces, pieces(one->n_vertices) + pieces(one->tree.n_triangles));
     }
 }
 
-/* Search distance of profiles, mm, for a structure of which few vertices found a goal. It is larger than the usual
- * half radius, which would keep the structure from its own place. */
+/* The profiles' search distance, mm. With few goals it exceeds the usual half radius, which may miss the place. */
 static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
 {
     const smr_schedule *p = g->schedule;
@@ -51,10 +43,9 @@ static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
         return 0.0f;
     const float share = (float)view->n_goals / (float)view->n_decided;
     const float lost = smr_clamp((SMR_MATCHED_WELL - share) / (SMR_MATCHED_WELL - SMR_MATCHED_BADLY), 0.0f, 1.0f);
-    /* as far as at the start: only at the last radius the distance falls with the schedule */
+    /* the distance falls with the schedule at the last radius only */
     const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
-    /* half of the structure's smallest extent: beyond it other structures lie */
-    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z));
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* other structures lie beyond this distance */
     const float far = smr_min(smr_min(most, p->lists.radius), half);
     return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
 }
@@ -113,7 +104,7 @@ static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uin
     const smr_image_structure *view = &g->structure[structure];
     if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
         (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
-        return; /* all weights stay 0: nothing is smoothed */
+        return; /* weights of 0 smooth nothing */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
         const smr_vec a = smr_get3(g->shape->x, t[0]), b = smr_get3(g->shape->x, t[1]), c = smr_get3(g->shape->x, t[2]);
@@ -131,7 +122,7 @@ void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
     smr_image_goals *g = arg;
     const uint32_t structure = task % g->shared->n_structures, piece = task / g->shared->n_structures;
     const smr_shape_structure *one = &g->shape->structure[structure];
-    const uint32_t first = vertex_pieces(one), size = SMR_TRIANGLE_CHUNK, n_triangles = one->tree.n_triangles;
+    const uint32_t first = pieces(one->n_vertices), size = SMR_TRIANGLE_CHUNK, n_triangles = one->tree.n_triangles;
     (void)worker;
     if (g->ring_pieces <= 1u) {
         look_back(g, structure, 0, one->n_vertices);

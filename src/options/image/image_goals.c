@@ -4,15 +4,14 @@
  * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex; SMR_LINE_MAX offsets of SMR_PROFILE_MAX multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
-
 #include "image/intensity_profile.h"
 #include "image/tangential_shift.h"
 
-#define SMR_LONG 16.0f /* samples: a longer search uses every SMR_HOP-th sample */
-#define SMR_HOP 2u
+#define SMR_LONG 16.0f       /* samples: a longer search uses every SMR_HOP-th sample */
+#define SMR_HOP 2u           /* distance of the used samples in a long search */
 #define SMR_NOISE 0.1f       /* noise over the mean range of a structure's profiles */
-#define SMR_SIDE_VOXELS 0.5f /* shift along the surface: search radius in mean voxels */
-#define SMR_SIDE_SHARE 0.25f /* the same radius over the search distance; the larger of both is used */
+#define SMR_SIDE_VOXELS 0.5f /* search radius of the shift along the surface, in mean voxels */
+#define SMR_SIDE_SHARE 0.25f /* the same radius over the search distance; the larger one is used */
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
@@ -58,7 +57,7 @@ void smr_image_keep(smr_image_goals *g, uint32_t v)
     g->brighter_next[v] = g->brighter[v];
 }
 
-/* The noise level of a structure: SMR_NOISE of the mean range of its profiles; intensity. */
+/* The noise level of a structure, in units of intensity: SMR_NOISE of the mean range of its profiles. */
 static float noise_of(const smr_model *m, const smr_shape_structure *one)
 {
     const uint32_t *ranges = smr_at(m, m->at_ranges);
@@ -100,12 +99,12 @@ typedef struct reference_profile {
 
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
 {
-    const float far =
-        smr_max(smr_max(g->schedule->profile_mm, g->structure[structure].wide_mm), g->schedule->gradient_mm);
+    const smr_schedule *p = g->schedule;
+    const float far = smr_max(smr_max(p->profile_mm, g->structure[structure].wide_mm), p->gradient_mm);
     return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
 }
 
-/* Search distance of a vertex' profile, mm. */
+/* The search distance of a vertex' profile, mm. */
 static float sought_mm(const smr_image_goals *g, uint32_t v)
 {
     return smr_max(g->schedule->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
@@ -129,6 +128,7 @@ static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, f
     return r;
 }
 
+/* Returns 1 when the samples differ. */
 static int varies(const float *line, uint32_t n)
 {
     uint32_t k = 1;
@@ -170,8 +170,7 @@ void smr_image_ahead(const smr_image_goals *g, uint32_t v)
         smr_grid_ahead(&g->grid, l.start, l.step, l.n);
 }
 
-/* The image at a goal, and the part of the reference profile that is compared with it: every SMR_HOP-th stored
- * sample. */
+/* The image at a goal, and the samples of the reference profile that are compared with it: every SMR_HOP-th one. */
 typedef struct image_sample {
     smr_profile reference; /* n is 0 when a sample lies outside the image */
     uint32_t hop;
@@ -224,14 +223,10 @@ static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, con
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
     if (!(g->shared->config.image.sideways > 0.0f))
         return smr_v(0, 0, 0);
-    const smr_place place = {&sample->reference,
-                             smr_add(l->start, smr_scale(l->step, sample->first)),
-                             smr_scale(l->step, (float)sample->hop),
-                             smr_get3(g->shape->normal, v),
-                             sample->found,
-                             owner->gain,
-                             owner->noise,
-                             smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm)};
+    const float reach = smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm);
+    const smr_vec at = smr_add(l->start, smr_scale(l->step, sample->first)), normal = smr_get3(g->shape->normal, v);
+    const smr_vec step = smr_scale(l->step, (float)sample->hop);
+    const smr_place place = {&sample->reference, at, step, normal, sample->found, owner->gain, owner->noise, reach};
     return smr_scale(smr_tangential_shift(&g->grid, &place), g->shared->config.image.sideways);
 }
 

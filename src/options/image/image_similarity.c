@@ -1,7 +1,7 @@
-/* image_similarity.c: decides whether intensity profiles match better in their places than by chance. Each profile is
- * compared in its place and in places beside it along the normal. In an image of noise as many comparisons are lost
- * as won, though nearly every vertex finds a goal. The comparison serves verdicts, not ticks: far from its place a
- * model matches nowhere better, so forces must not depend on it.
+/* image_similarity.c: decides whether intensity profiles match better in their places than by chance: each profile is
+ * compared in its place and in places beside it along the normal. In an image of noise as many comparisons are lost as
+ * won, though nearly every vertex finds a goal. Verdicts use it, forces do not: far from its place a model matches
+ * nowhere better.
  * Bounds: SMR_BESIDE + 1 places of 2 SMR_SLACK + 1 offsets, SMR_PROFILE_MAX multiply-adds each.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
@@ -11,8 +11,7 @@
 #define SMR_BESIDE_MM 12.0f /* distance between these places, mm */
 #define SMR_SLACK 2u        /* offsets to either side, in samples, of which the best counts */
 
-/* Concordance of the profile with samples of a line, independent of brightness (as profile_match.c). -1 when it is
- * not a number. */
+/* Concordance of profile and samples, independent of brightness (as profile_match.c); -1 when it is not a number. */
 static float concordance(const smr_profile *r, const float *line, float noise)
 {
     float a = 0.0f, b = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
@@ -32,7 +31,7 @@ static float concordance(const smr_profile *r, const float *line, float noise)
     return smr_within(score, 1.0f) ? score : -1.0f;
 }
 
-/* The best similarity near a place. Returns 0 when a sample lies outside the image. */
+/* Finds the best similarity near a place. Returns 0 when a sample lies outside the image. */
 static int score_at(const smr_image_goals *g, const smr_profile *r, smr_vec first, smr_vec step, float noise,
                     float *best)
 {
@@ -48,7 +47,7 @@ static int score_at(const smr_image_goals *g, const smr_profile *r, smr_vec firs
     return 1;
 }
 
-float smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n)
+void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n)
 {
     const smr_model *m = g->shared->model;
     const uint32_t samples = smr_le32(m->profile_samples);
@@ -65,7 +64,7 @@ float smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uin
     *n = 0;
     if (samples == 0u || !(r.range > 0.0f) || smr_dot(normal, normal) < 0.5f ||
         !score_at(g, &r, first, step, noise, &own))
-        return 0.0f;
+        return;
     for (uint32_t k = 0; k < SMR_BESIDE; k++) {
         const float far = SMR_BESIDE_MM * (float)(1u + k / 2u) * (k % 2u != 0u ? -1.0f : 1.0f);
         if (!score_at(g, &r, smr_add(first, smr_scale(normal, far)), step, noise, &other))
@@ -73,5 +72,4 @@ float smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uin
         *wins += (own > other) - (own < other);
         ++*n;
     }
-    return own;
 }

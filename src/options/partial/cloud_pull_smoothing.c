@@ -1,31 +1,28 @@
 /* cloud_pull_smoothing.c: smooths the pulls of a cloud's points over the mesh, which averages noise and gives goals to
  * vertices between points: a normalised convolution (Knutsson and Westin 1993). In each round a vertex keeps half of
  * its pull and weight and takes half of its mesh neighbours' mean. Displacements are smoothed, not positions, so the
- * model keeps its fine shape. Rounds continue until several points lie within reach of each reached vertex.
- * Smoothing follows the mesh, because the far side of a thin wall is near in space.
- * All clouds of a registration use the same number of rounds, and all vertices take part: a budget may reduce the
- * active ones later.
+ * model keeps its fine shape. Rounds continue until several points lie within reach of each reached vertex. Smoothing
+ * follows the mesh: the far side of a thin wall is near in space. All clouds use the same number of rounds.
  * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
-#define SMR_ROUNDS_LEAST 2u
-#define SMR_ROUNDS_MAX 12u
-#define SMR_REACH_POINTS 4.0f /* points within reach of a vertex, mean */
+#define SMR_ROUNDS_LEAST 2u   /* fewest rounds */
+#define SMR_ROUNDS_MAX 12u    /* most rounds */
+#define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex that ends the rounds */
 
-static uint32_t vertex_tasks(const smr_point_spread *p) { return smr_ceil_div(p->shared->n, SMR_CHUNK); }
 static uint32_t round_tasks(const smr_point_spread *p)
 {
-    return smr_ceil_div(p->shared->n_triangles, SMR_TRIANGLE_CHUNK) + vertex_tasks(p);
+    return smr_ceil_div(p->shared->n_triangles, SMR_TRIANGLE_CHUNK) + p->shared->n_tasks;
 }
 
 uint32_t smr_point_spread_tasks(const void *arg)
 {
     const smr_point_spread *p = arg;
-    return p->goals->n_clouds > 0u ? vertex_tasks(p) + p->rounds * round_tasks(p) : 0u;
+    return p->goals->n_clouds > 0u ? p->shared->n_tasks + p->rounds * round_tasks(p) : 0u;
 }
 
-/* Reads the pulls of points on vertex v. */
+/* Takes the sum of the points' pulls on vertex v. */
 static void take(smr_point_spread *p, uint32_t v)
 {
     int64_t sum[4];
@@ -42,6 +39,7 @@ static void take(smr_point_spread *p, uint32_t v)
     p->weight += pull[3];
 }
 
+/* Adds the pulls of a triangle's corners to each other's sums. */
 static void add(const smr_point_spread *p, const uint32_t *t)
 {
     for (uint32_t c = 0; c < 3u; c++) {
@@ -54,6 +52,7 @@ static void add(const smr_point_spread *p, const uint32_t *t)
     }
 }
 
+/* Averages the pull of a vertex with its neighbours' mean. */
 static void combine(smr_point_spread *p, uint32_t v)
 {
     float *pull = p->memory.pull + 4u * (size_t)v, *next = p->memory.next + 4u * (size_t)v;
@@ -85,8 +84,7 @@ static void measure(const smr_point_spread *p)
 /* Ends a round and decides whether another one follows. r rounds reach about 3 r (r + 1) + 1 vertices. */
 static void end_round(smr_point_spread *p)
 {
-    const float r = (float)p->rounds;
-    const float points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);
+    const float r = (float)p->rounds, points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);
     if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && points < SMR_REACH_POINTS * (float)p->n_reached))
         p->rounds++;
     else
@@ -97,7 +95,7 @@ static void end_round(smr_point_spread *p)
 void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
 {
     smr_point_spread *p = arg;
-    const uint32_t n = vertex_tasks(p), of_triangles = round_tasks(p) - n;
+    const uint32_t n = p->shared->n_tasks, of_triangles = round_tasks(p) - n;
     (void)worker;
     if (task == 0u) {
         p->rounds = 1;

@@ -5,9 +5,9 @@
 #include "options/partial/partial.h"
 
 #define SMR_MORE_SHARE 0.2f /* share of the residual that each iteration adds to a hard landmark's goal */
-#define SMR_MORE_MOST 0.1f  /* largest displacement of that goal over `reach` */
+#define SMR_MORE_MOST 0.1f  /* largest displacement of a hard landmark's goal over `reach` */
 
-/* A copy in which all unused fields are 0. */
+/* A copy of a landmark in which all unused fields are 0. */
 static smr_bound_landmark without_rest(const smr_bound_landmark *b)
 {
     smr_bound_landmark copy = *b;
@@ -19,7 +19,7 @@ static smr_bound_landmark without_rest(const smr_bound_landmark *b)
     return copy;
 }
 
-/* Saves a landmark, which is a copy of the caller's, and the vertices that it is bound to. */
+/* Saves a landmark, as the caller gave it, and the vertices to which it is bound. */
 static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared *c, int set)
 {
     smr_landmark *given = &b->given;
@@ -64,8 +64,7 @@ void smr_landmark_goals_reset(smr_landmark_goals *g)
         g->landmark[k].more = smr_v(0, 0, 0);
 }
 
-/* At the last radius, unless clusters are single vertices: moves a hard landmark's goal by a share of its residual,
- * until the landmark reaches its place (integral control). */
+/* Moves hard landmarks' goals by a share of their residuals (integral control): at the last radius, with clusters. */
 void smr_landmark_goals_commit(smr_landmark_goals *g)
 {
     const float most = SMR_MORE_MOST * g->reach;
@@ -101,13 +100,12 @@ smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k)
     for (uint32_t i = 0; i < b->n_near; i++)
         smr_fit_add(&fit, smr_rest(g->shared, b->near[i]), smr_get3(g->shape->x, b->near[i]), 1.0f);
     const smr_pose pose = smr_fit_solve(&fit, 1);
-    return smr_sub(smr_pose_apply(&pose, b->offset), smr_v(pose.m[0][3], pose.m[1][3], pose.m[2][3]));
+    return smr_sub(smr_pose_apply(&pose, b->offset), smr_column(&pose, 3));
 }
 
 smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k)
 {
-    const smr_vec place = smr_sub(smr_load(g->landmark[k].given.place), g->shape->origin);
-    return smr_sub(place, smr_landmark_offset(g, k));
+    return smr_sub(smr_sub(smr_load(g->landmark[k].given.place), g->shape->origin), smr_landmark_offset(g, k));
 }
 
 float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v)

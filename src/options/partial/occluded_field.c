@@ -1,20 +1,18 @@
-/* occluded_field.c: a smooth field moves occluded vertices with visible ones, and moves visible vertices along the
- * surface, where goals determine nothing. Some visible vertices are controls: a rigid pose maps their start
- * positions onto the present ones, and a Gaussian process interpolates what the pose leaves (kernel 1 / (1 + d^2 /
- * l^2), Cholesky factor; Rasmussen and Williams 2006, chapter 2). Far from all controls only the pose remains. Noise
- * is larger while clusters are large, since controls are not yet in place.
- * While images are tracked, all vertices with a goal count as visible: an image does not hold a structure along
- * itself. A vertex farther from the field than the cluster radius or an edge is an outlier. From an outdated image
- * the field carries vertices along with newer targets.
- * Landmarks are controls with given positions; what is observed is the mean of their triangle's corners. A hard
- * landmark has a second field of short range instead of noise, so that the field meets it exactly.
+/* occluded_field.c: a smooth field moves occluded vertices with visible ones, and visible vertices along the surface,
+ * where goals determine nothing. Some visible vertices and all landmarks are controls: a rigid pose maps their start
+ * positions onto the present ones, and a Gaussian process interpolates the residuals (kernel 1 / (1 + d^2 / l^2),
+ * Cholesky factor; Rasmussen and Williams 2006, chapter 2). Far from controls only the pose remains. Noise is larger
+ * while clusters are large, since controls are not yet in place.
+ * While images are tracked, all vertices with a goal count as visible: an image does not hold a structure along itself.
+ * A vertex farther from the field than the cluster radius or an edge is an outlier. An outdated image's field follows
+ * newer targets.
  * Bounds: two tasks for each SMR_LOOK vertices, and a task for each control, of its square in multiplications.
  * SPDX-License-Identifier: MIT */
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-#define SMR_FIELD_LENGTH 0.4f /* kernel length over the diagonal of the model's box */
-/* noise variance of a control along its normal over the field's variance: there are more of them */
-#define SMR_FIELD_NORMAL 0.02f
+#define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
+#define SMR_FIELD_NORMAL 0.02f /* noise variance of a control along its normal over the field's variance */
 #define SMR_FIELD_STIFF 4.0f   /* noise added for large clusters: factor on (cluster radius / kernel length)^2 */
 #define SMR_FIELD_PART 8u      /* vertices for each control along a normal */
 #define SMR_FIELD_LEAST 4u     /* fewest controls: fewer vertices give no field, fewer landmarks no scale */
@@ -28,9 +26,9 @@ typedef struct smr_choice {
     uint32_t total, passed;           /* visible vertices: all of them, and those already considered */
 } smr_choice;
 
-_Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "it lies over the factor");
+_Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "the choice lies over the factor");
 
-/* Most controls. Along normals the number depends on the model, so that the memory of sums need not grow. */
+/* The most controls. Along normals it depends on the model, so that the memory of sums need not grow. */
 static uint32_t most_of(const smr_shared *shared)
 {
     const uint32_t n_landmarks = shared->config.partial.n_landmarks;
@@ -72,6 +70,7 @@ void smr_occluded_field_wire_image(smr_occluded_field *f, const uint8_t *found, 
     f->has_image = has_image;
 }
 
+/* The visibility of a vertex in the target that the field follows, 0 .. SMR_VISIBLE_ONE. */
 static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
 {
     const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
@@ -84,7 +83,7 @@ static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
     return f->found[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
 }
 
-/* Returns 1 when each vertex must be asked for its visibility; otherwise targets know the count. */
+/* Returns 1 when visible vertices must be counted; otherwise targets have the count. */
 static int counts(const smr_occluded_field *f) { return f->landmarks->n > 0u || smr_field_of_image(f); }
 
 static smr_choice *choice(const smr_occluded_field *f) { return (smr_choice *)(void *)f->lower; }
@@ -106,7 +105,7 @@ static void count_visible(smr_occluded_field *f, uint32_t task)
 }
 
 /* Chooses controls: every k-th visible vertex in stored order, which runs through the whole model. Inactive vertices
- * count, too: a budget may change their number later, and a replay could not know that. */
+ * count, too: a budget may change their number, which a replay does not know. */
 static void choose(smr_occluded_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
@@ -125,6 +124,7 @@ static void choose(smr_occluded_field *f, uint32_t task)
     }
 }
 
+/* Stores control k: start position `from`, present position or goal `to`. Adds the pair to the fit. */
 static void add_control(smr_occluded_field *f, uint32_t k, smr_vec from, smr_vec to, float weight, smr_fit *fit)
 {
     smr_put3(f->start, k, from);
@@ -154,7 +154,7 @@ static void add_visible(smr_occluded_field *f, const uint32_t *control, float ra
     }
 }
 
-/* Computes the pose of landmarks and n chosen vertices, and the residuals. */
+/* Fits the pose of landmarks and n chosen vertices, and computes the residuals. */
 static void begin(smr_occluded_field *f, uint32_t n)
 {
     smr_fit fit;
@@ -176,7 +176,7 @@ static void begin(smr_occluded_field *f, uint32_t n)
     }
 }
 
-/* Computes column j of the Cholesky factor. Diagonal elements are at least the rounding error of their sums. */
+/* Computes column j of the Cholesky factor. Diagonal elements are at least the rounding errors of their sums. */
 static void factor(smr_occluded_field *f, uint32_t j)
 {
     float least = 0.5f * smr_min(f->noise_variance[j], SMR_FIELD_NOISE);
@@ -228,10 +228,8 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
     return smr_sub(to, x);
 }
 
-static smr_vec mix(smr_vec a, smr_vec b, float share)
-{
-    return smr_add(smr_scale(a, 1.0f - share), smr_scale(b, share));
-}
+/* The mean of a and b, where b has the weight t, 0..1. */
+static smr_vec mix(smr_vec a, smr_vec b, float t) { return smr_add(smr_scale(a, 1.0f - t), smr_scale(b, t)); }
 
 float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
 {
@@ -242,14 +240,15 @@ float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
     return share;
 }
 
+/* The part of a displacement along the surface. */
 static smr_vec along(const smr_occluded_field *f, uint32_t v, smr_vec displacement)
 {
     const smr_vec normal = smr_get3(f->shape->normal, v);
     return smr_sub(displacement, smr_scale(normal, smr_dot(normal, displacement)));
 }
 
-/* Beside an image a structure that is nearly all visible is not moved along its surface: at a joint the common field
- * would pull one structure with the next. With landmarks it is moved. */
+/* Beside an image, without landmarks, a nearly fully visible structure is not moved along its surface: at a joint the
+ * common field would pull one structure with the next. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement)
 {
     const float share = smr_visibility_of(f->goals, v, has_goal);
@@ -277,7 +276,7 @@ void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_
         *displacement = mix(*displacement, smr_occluded_field_displacement(f, v), hard);
 }
 
-/* Smallest squared distance at the start to controls first .. last - 1, mm^2. */
+/* The smallest squared distance at the start to controls first .. last - 1, mm^2. */
 static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, uint32_t last)
 {
     float least = SMR_FAR;
@@ -314,7 +313,7 @@ float smr_landmark_field_left(const smr_occluded_field *f, uint32_t v)
     float known[SMR_CONTROLS_MAX], left = 1.0f;
     for (uint32_t i = 0; i < f->n; i++) {
         const float with = smr_field_with_control(f, at, i, smr_field_hard(f, i));
-        known[i] = smr_solve_row(smr_field_row(f, i), i, known, with);
+        known[i] = smr_solve_row(smr_factor_row(f->lower, i), i, known, with);
         left -= known[i] * known[i];
     }
     return smr_max(left, 0.0f);

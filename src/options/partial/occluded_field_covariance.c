@@ -1,12 +1,29 @@
-/* occluded_field_covariance.c: what two places of the field have in common: its kernel, and what controls tell. What is
- * observed of a landmark is the mean of its triangle's corners. So that the field passes exactly by a hard one, what it
- * may be off is not noise, but a second field of short reach.
- * Bounds: nine kernels.
+/* occluded_field_covariance.c: the covariance of the occluded vertices' field: its kernel, and what it shares with
+ * controls. The observation of a landmark is the mean of its triangle's corners. A hard landmark has a second field of
+ * short range instead of noise, so that the field meets it exactly.
+ * Two bodies differ smoothly and also from place to place. Such local differences, if taken as smooth, would turn and
+ * stretch the whole model. Therefore the kernel has a second, short term. Its share of the variance is the most likely
+ * of SMR_FIELD_TRIES values (marginal likelihood; Rasmussen and Williams 2006, section 5.4), and noise grows with it.
+ * Bounds: nine kernels for a covariance; a factor of SMR_ROUGH_ROWS rows for each of SMR_FIELD_TRIES, four rows a task.
  * SPDX-License-Identifier: MIT */
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-/* Positions from which the field displaces: the rest shape of tracking, the start positions, or the positions of an
- * outdated image. */
+#define SMR_ROUGH_CHUNK 4u     /* rows of the factor in a task */
+#define SMR_ROUGH_ROWS 96u     /* most controls from which the likelihood is computed */
+#define SMR_ROUGH_LEAST 32u    /* fewest controls: with fewer of them the deformation counts as smooth */
+#define SMR_ROUGH_LENGTH 0.15f /* length of the short term over the kernel's length */
+#define SMR_ROUGH_NOISE 0.1f   /* noise variance of a control over the short term's variance */
+#define SMR_ROUGH_MOTION 20.0f /* variance of the motions over the short term's variance */
+#define SMR_ROUGH_SURE 8.0f    /* twice the binary log-likelihood that a rough kernel must gain: odds of 16 */
+#define SMR_LOG_MIDDLE 1.41421356f
+#define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2 */
+
+_Static_assert(SMR_TRY_TASKS *SMR_ROUGH_CHUNK == SMR_ROUGH_ROWS, "each row has its task");
+
+/* The tried variances of the short term over the variance of the long term. */
+static const float roughness[SMR_FIELD_TRIES] = {0.0f, 0.1f, 0.3f};
+
 float *smr_field_start(const smr_occluded_field *f)
 {
     if (smr_field_of_past(f))
@@ -14,6 +31,7 @@ float *smr_field_start(const smr_occluded_field *f)
     return f->schedule->tracking ? f->shape->track_rest_x : f->shape->start;
 }
 
+/* The covariance of the field at positions a and b, over its variance. */
 static float kernel(const smr_occluded_field *f, smr_vec a, smr_vec b)
 {
     const smr_vec d = smr_sub(a, b);
@@ -29,8 +47,6 @@ int smr_field_hard(const smr_occluded_field *f, uint32_t k)
     return is_landmark(f, k) && f->landmarks->landmark[k].given.hard != 0u;
 }
 
-/* Covariance of the field at a position with control k. A landmark is the mean of its corners. sharp: includes the
- * field of short range. */
 float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k, int sharp)
 {
     float sum = 0.0f;
@@ -49,7 +65,7 @@ float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k
     return sum;
 }
 
-/* Covariance of controls i and j, j <= i. */
+/* The covariance of the displacements at controls i and j, j <= i. */
 static float between(const smr_occluded_field *f, uint32_t i, uint32_t j)
 {
     const int sharp = smr_field_hard(f, i) && smr_field_hard(f, j);
@@ -66,4 +82,67 @@ static float between(const smr_occluded_field *f, uint32_t i, uint32_t j)
 float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32_t j)
 {
     return f->by_normals ? smr_field_normals_between(f, i, j, between(f, i, j)) : between(f, i, j);
+}
+
+/* The binary logarithm of a positive normal number, accurate to 1e-6: exponent plus a series for the mantissa. */
+static float log_two(float x)
+{
+    uint32_t bits = 0;
+    float rest = 0.0f;
+    memcpy(&bits, &x, sizeof bits);
+    const float whole = (float)(bits >> 23) - 127.0f;
+    bits = (bits & 0x7fffffu) | 0x3f800000u;
+    memcpy(&rest, &bits, sizeof rest);
+    const float z = (rest - SMR_LOG_MIDDLE) / (rest + SMR_LOG_MIDDLE), q = z * z;
+    return whole + 0.5f + SMR_LOG_SCALE * z * (1.0f + q * (1.0f / 3.0f + q * (1.0f / 5.0f + q * (1.0f / 7.0f))));
+}
+
+/* Sets the short term's variance over that of the long term, and what follows from it. */
+static void take(smr_occluded_field *f, float rough)
+{
+    f->rough = rough;
+    f->rough_noise = SMR_ROUGH_NOISE * rough;
+    f->motion_variance = SMR_MOTION_VARIANCE * (1.0f + SMR_ROUGH_MOTION * rough);
+    f->per_rough2 = f->per_length2 * (1.0f / (3.0f * SMR_ROUGH_LENGTH * SMR_ROUGH_LENGTH));
+}
+
+/* Computes row i of the Cholesky factor of the controls' covariance, and element i of the whitened residuals. */
+static void add_row(smr_occluded_field *f, uint32_t i)
+{
+    const float *const r = smr_factor_row(f->lower, i);
+    for (uint32_t j = 0; j <= i; j++) {
+        const float both = smr_occluded_field_between(f, i, j);
+        const float noise_variance = i == j ? f->noise_variance[i] + f->rough_noise : 0.0f;
+        smr_factor_set(f->lower, i, j, both + noise_variance, SMR_FIELD_ROUNDED * both);
+    }
+    f->whitened[i] = smr_solve_row(r, i, f->whitened, f->residual[i]);
+    f->square += f->whitened[i] * f->whitened[i];
+    f->log -= 2.0f * log_two(r[i]);
+}
+
+void smr_field_roughness_try(smr_occluded_field *f, uint32_t task)
+{
+    const uint32_t n = smr_min_u32(f->n, SMR_ROUGH_ROWS), k = task / SMR_TRY_TASKS, part = task % SMR_TRY_TASKS;
+    const int enough = f->by_normals && n >= SMR_ROUGH_LEAST;
+    if (task == 0u) {
+        f->likeliest = 0;
+        take(f, 0.0f);
+    }
+    if (enough && part == 0u) {
+        take(f, roughness[k]);
+        f->square = f->log = 0.0f;
+    }
+    for (uint32_t i = part * SMR_ROUGH_CHUNK; enough && i < n && i < (part + 1u) * SMR_ROUGH_CHUNK; i++)
+        add_row(f, i);
+    if (!enough || part + 1u < SMR_TRY_TASKS)
+        return;
+    /* twice the log-likelihood, maximised over the variance, without constant terms */
+    const float likelihood = f->log - (float)n * log_two(smr_max(f->square, FLT_MIN));
+    const float now = likelihood + (k == 0u ? SMR_ROUGH_SURE : 0.0f);
+    if (k == 0u || now > f->likelihood) {
+        f->likelihood = now;
+        f->likeliest = k;
+    }
+    if (k + 1u == SMR_FIELD_TRIES)
+        take(f, roughness[f->likeliest]);
 }

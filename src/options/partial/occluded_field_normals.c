@@ -1,27 +1,24 @@
 /* occluded_field_normals.c: fits the field of occluded vertices to a target that holds vertices along their normals
  * only. A control contributes one number: the distance from the posed start position to its goal along the normal.
  * Displacements along the surface follow from the field, whose three components share one kernel. The field includes
- * the seven motions of a similarity, which are added to the pose. These motions are measured from the start, so that
- * whatever normals do not determine (the turn of a ball, the size of a flat cap) stays as the start pose had it.
- * A control's distance is measured to its goal, not to its position: a field through positions would follow itself
- * and oscillate with momentum. Each iteration uses other vertices as controls; at the last radius small steps
- * average over them. occluded_field_roughness.c estimates how rough the deformation is.
+ * the seven motions of a similarity, which are added to the pose and measured from the start, so that the start pose
+ * stays where normals do not determine it (the turn of a ball, the size of a flat cap).
+ * A control's distance is measured to its goal, not to its position: a field through positions would follow itself and
+ * oscillate with momentum. Each iteration uses other controls; small steps at the last radius average over them.
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-/* 2^32 times the fractional part of the golden ratio: the first n multiples are spread evenly for every n */
-#define SMR_GOLDEN 2654435769u
-/* positions in the order of vertices by which each iteration starts later than the one before */
-#define SMR_FIELD_TURN 3u
-#define SMR_FIELD_SHEET 0.5f /* norm of the sum of area vectors over the area: above it a model is a sheet */
-#define SMR_FIELD_FAR 1.0e7f /* mm: above all legal coordinates */
-#define SMR_TURN_MOST 0.1f   /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
-#define SMR_SIZE_MOST 2.0f   /* largest factor by which one step changes the size */
+#define SMR_GOLDEN 2654435769u /* 2^32 times the golden ratio's fractional part: its multiples spread evenly */
+#define SMR_FIELD_TURN 3u      /* positions in the order of vertices by which each iteration starts later */
+#define SMR_FIELD_SHEET 0.5f   /* a sheet's least norm of the sum of area vectors over the area */
+#define SMR_FIELD_FAR 1.0e7f   /* mm: above all legal coordinates */
+#define SMR_TURN_MOST 0.1f     /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+#define SMR_SIZE_MOST 2.0f     /* largest factor by which one step changes the size */
 
-/* Returns 1 when controls are known along their normals only. Landmarks, images and the borders of sheets determine
- * positions. A closed target that is not yet covered counts as whole, so the start pose is kept. */
+/* Landmarks, images and a sheet's borders determine positions. A closed target not yet covered counts as whole. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f)
 {
     uint32_t open = 0;
@@ -45,8 +42,7 @@ uint32_t smr_field_normals_choose(const smr_occluded_field *f, uint32_t first, u
                                   uint32_t n)
 {
     const uint32_t all = period(f->shared->n);
-    /* odd, so that each position occurs once */
-    const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u;
+    const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u; /* odd: each position occurs once */
     for (uint32_t i = first; i < smr_min_u32(last, all) && n < f->most; i++) {
         const uint32_t v = (i * apart + SMR_FIELD_TURN * f->schedule->iteration) & (all - 1u);
         if (v < f->shared->n && f->goals->visibility[v] > SMR_VISIBLE_ONE / 2u)
@@ -62,6 +58,7 @@ float smr_field_normals_step(const smr_occluded_field *f)
     return smr_at_last_radius(f->shared, f->schedule) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
 }
 
+/* The displacements along control k's normal by each unit motion. */
 static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
 
 /* Twice the sum of a structure's area vectors at rest. Adds twice its area to *area. */
@@ -94,7 +91,7 @@ static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIO
     return sum;
 }
 
-/* The motions from the pose to the start; while targets are tracked, only the change of size. */
+/* Computes the motions from the pose to the start; while targets are tracked, only the change of size. */
 static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
 {
     const smr_pose *p = &f->pose;
@@ -132,7 +129,7 @@ float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_
     return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
 }
 
-/* v after a rotation given as Cayley's parameter, which is a rotation for any size of the parameter. */
+/* Rotates v by Cayley's parameter, which gives a rotation for any size of the parameter. */
 static smr_vec turned(smr_vec half, smr_vec v)
 {
     const smr_vec once = smr_add(v, smr_cross(half, v));
@@ -140,6 +137,7 @@ static smr_vec turned(smr_vec half, smr_vec v)
     return smr_add(v, smr_scale(smr_cross(half, once), per));
 }
 
+/* Adds the motions m to the pose. */
 static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
 {
     const float inverse = SMR_SQRT(f->per_length2);

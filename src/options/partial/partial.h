@@ -1,11 +1,10 @@
-/* partial.h: capability: targets that show a part of the model, with clouds of points and landmarks. In: positions,
- * what the surface search found of each vertex, landmarks. Out: how far each vertex is visible, what points ask of
- * vertices around them, and a smooth field that vertices follow which no target shows.
+/* partial.h: capability: targets that show a part of the model, clouds of points, and landmarks. In: positions, results
+ * of the closest-point search, landmarks. Out: each vertex' visibility, goals from points and landmarks, and a smooth
+ * field that occluded vertices follow.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PARTIAL_H
 #define SMR_PARTIAL_H
 
-#include "geometry/gaussian_process/gaussian_process.h"
 #include "registration/shape/overlaid_memory.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
@@ -17,45 +16,45 @@
 
 /* ---- visibility ---- */
 
-/* 1: it is judged how far targets show each vertex. */
+/* Returns 1 when the visibility of vertices is judged. */
 static inline int smr_visibility_on(const smr_surface_goals *g) { return SMR_HAS_PARTIAL && g->visibility != NULL; }
 
-/* 1: a target that is a cloud of points. */
+/* Returns 1 when a target is a cloud of points. */
 static inline int smr_is_points(const smr_surface *target) { return SMR_HAS_PARTIAL && smr_is_cloud(target); }
 
-/* Visibility of each vertex, and which targets are partial. */
-void smr_visibility_start(smr_surface_goals *g); /* decides from the present targets which are partial */
+void smr_visibility_start(smr_surface_goals *g); /* decides which of the present targets are partial */
 /* Returns 1 when the target stays partial to the end, not only until it is covered. */
 int smr_visibility_always_partial(const smr_surface_goals *g, uint32_t structure);
-/* 1: visibility is judged in this iteration */
+/* Returns 1 when visibility is judged in this iteration. */
 int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure);
+/* Judges the visibility of v from its closest point, or from the weight of the points that reached it. */
 void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                           smr_vec displacement);
-/* weight: of the points that reached v */
 void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight);
-/* smr_visibility_of: visibility of vertex v, 0..1; 1 for any goal on a whole target. smr_visibility_partial: 1 for a
- * small part, 0 for a structure that is visible nearly as a whole. */
+/* The visibility of vertex v, 0..1; 1 for any goal on a whole target. */
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
+/* 1 when little of the vertex' structure is visible, 0 when nearly all of it is; continuous. */
 float smr_visibility_partial(const smr_surface_goals *g, uint32_t v);
 void smr_visibility_commit(smr_surface_goals *g);    /* called when the current forces are complete */
 void smr_visibility_note_view(smr_surface_goals *g); /* called when it is known whether targets have jumped */
 
 /* ---- clouds of points ---- */
 
+/* The smoothing of a cloud's pulls over the mesh. */
 typedef struct smr_point_spread {
     const smr_shared *shared;
     const smr_shape *shape;
     smr_surface_goals *goals;
     smr_spread memory;
-    uint32_t rounds;    /* number of rounds that are known to be needed so far */
+    uint32_t rounds;    /* number of rounds known to be needed so far */
     uint32_t n_reached; /* vertices with a weight in the current round */
     float weight;       /* sum of the weights of all pulling points */
 } smr_point_spread;
 
-/* The way that the points of a cloud ask of v, mm, and how far they show it. Returns 0 where no point asks anything. */
+/* Computes the displacement of v to its goal from a cloud, mm, and judges its visibility. Returns 0 without a goal. */
 int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement);
 
-/* Steps, skipped without a cloud. Tasks run one after the other. */
+/* Step: smooths the pulls. Skipped without a cloud. Tasks run one after the other. */
 uint32_t smr_point_spread_tasks(const void *spread);
 void smr_point_spread_run(void *spread, uint32_t task, uint32_t worker);
 
@@ -67,12 +66,12 @@ void smr_point_spread_run(void *spread, uint32_t task, uint32_t worker);
 /* A landmark and the part of the model that it is bound to. */
 typedef struct smr_bound_landmark {
     smr_landmark given;
-    uint32_t corner[3]; /* stored vertices of its triangle; three times the same for a landmark on a vertex */
+    uint32_t corner[3]; /* stored vertices of the landmark's triangle; three times one vertex for a landmark on it */
     float share[3];     /* barycentric weights of the foot: the surface point closest to the landmark */
     smr_vec foot;       /* foot at rest, mm from the model's centre */
-    smr_vec offset;     /* from there to the point at rest, mm */
-    smr_vec more;    /* hard landmark: displacement that is added to its goal, mm, since clusters follow in part only */
-    uint32_t n_near; /* number of vertices in `near`; 0: the landmark lies on the surface */
+    smr_vec offset;     /* vector from the foot to the landmark at rest, mm */
+    smr_vec more;       /* displacement that is added to a hard landmark's goal, mm: clusters follow in part only */
+    uint32_t n_near;    /* number of vertices in `near`; 0: the landmark lies on the surface */
     uint32_t near[SMR_LANDMARK_NEAR]; /* stored vertices whose motion rotates `offset` */
 } smr_bound_landmark;
 
@@ -92,18 +91,15 @@ void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_sh
 void smr_landmark_goals_commit(smr_landmark_goals *g); /* called when the current forces are complete */
 void smr_landmark_goals_reset(smr_landmark_goals *g);  /* discards all results of the current forces */
 
-/* The foot of landmark k with vertices at xyz [n][3]. */
+/* The foot of landmark k, mm, with vertices at xyz [n][3]. */
 smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz);
-
-/* The offset from the foot to the landmark, with the vertices at their present positions. */
+/* The vector from the foot to the landmark, mm, with the vertices at their present positions. */
 smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k);
-
 /* The goal of the foot of landmark k, mm from the shape's origin, without `more`. */
 smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k);
-
-/* Weight of landmark k at vertex v: 1 at vertices that it is bound to, 0 from the distance `reach` on, measured in
- * the start positions. */
+/* Weight of landmark k at vertex v: 1 at its triangle's corners, 0 from the start distance `reach` on. */
 float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v);
+int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v); /* 1: a landmark is bound to vertex v */
 
 /* Wendland's compactly supported covariance function: 1 at distance 0, 0 from distance 1 on (Wendland 1995). */
 static inline float smr_wendland(float distance)
@@ -112,10 +108,7 @@ static inline float smr_wendland(float distance)
     return left2 * left2 * (4.0f * distance + 1.0f);
 }
 
-/* Returns 1 when a landmark is bound to the vertex. */
-int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
-
-/* ---- the field ---- */
+/* ---- the field of occluded vertices ---- */
 
 #define SMR_CONTROLS 64u          /* most controls that are known in space */
 #define SMR_FIELD_ROWS 192u       /* most controls that are known along their normals, without landmarks */
@@ -124,12 +117,10 @@ int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
 #define SMR_TRY_TASKS 24u         /* tasks of each try */
 #define SMR_FIELD_NOISE 0.003f    /* noise variance of a control over the field's variance */
 #define SMR_FIELD_ROUNDED 1.0e-5f /* rounding error of a sum of SMR_FIELD_ROWS products, over the variance */
-#define SMR_FIELD_STEP 0.8f       /* share of the displacement that one iteration takes, with controls along normals */
-/* the same share while targets are tracked: new targets have pulls but no closest triangles yet */
-#define SMR_FIELD_FOLLOW 0.35f
-#define SMR_FIELD_MEAN 0.1f /* the same share at the last radius: averages over the controls of several iterations */
-/* variance of the motions over the field's variance; turns and scale at a kernel length */
-#define SMR_MOTION_VARIANCE 8.0f
+#define SMR_FIELD_STEP 0.8f       /* share of the field's displacement in an iteration, with controls along normals */
+#define SMR_FIELD_FOLLOW 0.35f    /* the same share while targets are tracked: new ones lack closest triangles */
+#define SMR_FIELD_MEAN 0.1f       /* the same share at the last radius: averages over controls of several iterations */
+#define SMR_MOTION_VARIANCE 8.0f  /* variance of the motions over the field's; turns and scale at a kernel length */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 
 typedef struct smr_occluded_field {
@@ -142,67 +133,61 @@ typedef struct smr_occluded_field {
     const uint32_t *has_image; /* 1: structures without a target surface follow an image */
     uint32_t most;             /* most controls that the memory holds */
     float *start;              /* [most][3] start positions of the controls, mm */
-    float *coefficient;    /* [most][3] coefficients of the field; while it is solved: residuals after the pose, mm */
-    float *lower;          /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: the chosen controls */
-    float *noise_variance; /* [most] noise variance of each control, on the diagonal */
-    /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion; without landmarks */
-    float *motion;
-    /* [most] whitened residuals of the current try: residual i given the residuals before, over its deviation */
-    float *whitened;
-    /* [most] residual along the normal: goal minus posed start, mm; then coefficients; without landmarks */
-    float *residual;
-    /* motions from the pose to the start; then from the pose to where the normals place the model */
-    float back[SMR_FIELD_MOTIONS];
-    smr_vec middle;          /* centre of turns and scale, mm */
-    uint32_t sheet;          /* 1: the model is a sheet: only its borders determine its size */
-    uint32_t by_normals;     /* 1: controls are known along their normals only. Set when they are chosen */
-    uint32_t n;              /* controls in use, landmarks first; 0: no field */
-    smr_pose pose;           /* rigid pose from start to present positions of the controls */
-    float per_length2;       /* 1 / l^2 of the kernel length l, 1 / mm^2 */
-    float rough, per_rough2; /* short term of the kernel: its variance, 0: none; 1 / l^2 of its length, 1 / mm^2 */
-    float motion_variance;   /* variance of the motions over the field's variance */
-    float rough_noise;       /* noise variance that the short term adds to each control */
-    float likelihood;        /* largest likelihood so far; `likeliest`: index of its roughness */
-    uint32_t likeliest;
-    float square, log; /* sums over the rows of the current try */
+    float *coefficient;        /* [most][3] coefficients of the field; at first residuals after the pose, mm */
+    float *lower;              /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; at first the chosen controls */
+    float *noise_variance;     /* [most] noise variance of each control */
+    float *motion;             /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion */
+    float *whitened; /* [most] residual i given the residuals before, over its deviation, in the current try */
+    float *residual; /* [most] residual along the normal, goal minus posed start, mm; then coefficients */
+    float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; then from the pose to the fitted place */
+    smr_vec middle;                /* centre of turns and scale, mm */
+    uint32_t sheet;                /* 1: the model is a sheet: only its borders determine its size */
+    uint32_t by_normals;           /* 1: controls are known along their normals only. Set when controls are chosen */
+    uint32_t n;                    /* controls in use, landmarks first; 0: no field */
+    smr_pose pose;                 /* rigid pose from start to present positions of the controls */
+    float per_length2;             /* 1 / l^2 of the kernel length l, 1 / mm^2 */
+    float rough, per_rough2;       /* short term of the kernel: variance, 0: none; 1 / l^2 of its length l, 1 / mm^2 */
+    float motion_variance;         /* variance of the motions over the field's variance */
+    float rough_noise;             /* noise variance that the short term adds to each control */
+    float likelihood;              /* largest likelihood so far */
+    uint32_t likeliest;            /* index of the roughness with this likelihood */
+    float square, log; /* sums of the current try: of whitened residuals squared; of the factor's logarithms */
 } smr_occluded_field;
 
-static inline float *smr_field_row(const smr_occluded_field *f, uint32_t i) { return smr_factor_row(f->lower, i); }
+/* ---- occluded_field_normals.c: controls along their normals ---- */
 
-/* Returns 1 when controls are known along their normals only (occluded_field_normals.c). */
+/* Returns 1 when controls are known along their normals only. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f);
-/* Adds visible vertices to n controls, from positions first .. last - 1 of an order that runs through the model.
- * Returns the new number of controls. */
+/* Adds visible vertices at positions first .. last - 1 of an order of the model to n controls. Returns the new n. */
 uint32_t smr_field_normals_choose(const smr_occluded_field *f, uint32_t first, uint32_t last, uint32_t *control,
                                   uint32_t n);
 /* The share of the field's displacement that this iteration takes. */
 float smr_field_normals_step(const smr_occluded_field *f);
-/* smr_field_normals_begin: residuals along normals, once the pose is fitted and `coefficient` holds present
- * positions; control: stored vertices, middle: centre of turns at the start. smr_field_normals_between: covariance
- * of two controls from the kernel between them. smr_field_normals_end: coefficients, and motions added to the pose,
- * from the factor. */
+/* Computes residuals along normals when the pose is fitted. control: stored vertices; middle: centre of turns, mm. */
 void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle);
+/* The covariance of two controls from the kernel between them. */
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel);
-void smr_field_normals_end(smr_occluded_field *f);
+void smr_field_normals_end(
+    smr_occluded_field *f); /* computes coefficients from the factor, and adds motions to the pose */
+void smr_occluded_field_model(
+    smr_occluded_field *f); /* decides, once structures are known, whether the model is a sheet */
 
-/* Tries each roughness on the controls, in SMR_FIELD_TRIES * SMR_TRY_TASKS successive tasks, and sets the most
- * likely. */
-void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
-/* occluded_field_covariance.c: where the field starts, [n][3] mm; whether control k is a hard landmark; the covariance
- * of the field at a position with control k, a landmark's with the mean of its corners (sharp: with the field of short
- * reach, too). */
+/* ---- occluded_field_covariance.c ---- */
+
+/* The positions from which the field displaces, [n][3] mm: start, rest shape of tracking, or of the outdated image. */
 float *smr_field_start(const smr_occluded_field *f);
-int smr_field_hard(const smr_occluded_field *f, uint32_t k);
+int smr_field_hard(const smr_occluded_field *f, uint32_t k); /* 1: control k is a hard landmark */
+/* The covariance of the field at a position with control k. sharp: includes the field of short range. */
 float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k, int sharp);
-/* Covariance of the observations of controls i and j, j <= i. */
+/* The covariance of the observations of controls i and j, j <= i. */
 float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32_t j);
+/* Tries each roughness in SMR_FIELD_TRIES * SMR_TRY_TASKS successive tasks, and sets the most likely one. */
+void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
 
 size_t smr_occluded_field_words(const smr_shared *shared); /* words of memory that the field needs during forces */
 void smr_occluded_field_wire(smr_occluded_field *f, const smr_shared *shared, const smr_schedule *schedule,
                              const smr_shape *shape, const smr_surface_goals *goals,
                              const smr_landmark_goals *landmarks, const smr_overlay *overlay);
-/* Called once the structures are known: decides whether the model is a sheet. One pass over the triangles. */
-void smr_occluded_field_model(smr_occluded_field *f);
 void smr_occluded_field_wire_image(smr_occluded_field *f, const uint8_t *found, const uint32_t *has_image);
 
 /* Returns 1 while images are tracked: an image determines nothing along a surface. */
@@ -224,36 +209,28 @@ static inline int smr_field_of_rest(const smr_occluded_field *f, uint32_t v)
            smr_visibility_always_partial(f->goals, smr_model_owner(f->shared->model, v));
 }
 
-/* Step: chooses controls and solves for the field's coefficients. Skipped when no vertex is occluded. Tasks run one
- * after the other. */
+/* Step: chooses controls and solves the field. Skipped when no vertex is occluded. Tasks run one after the other. */
 uint32_t smr_occluded_field_tasks(const void *field);
 void smr_occluded_field_solve(void *field, uint32_t task, uint32_t worker);
 
-/* Adds the field's displacement along the surface to a goal's displacement, and averages with the field by
- * visibility. displacement: in: to the goal, out: result, mm. has_goal: 1 if there is a goal. */
+/* The displacement of vertex v to its position by the field, mm. */
+smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
+/* Adds the field's displacement along the surface to the goal's, mm, and averages with the field by visibility. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement);
-
-/* Averages the displacement of a vertex without a goal with the field. The field's weight grows as the nearest
+/* Averages the displacement of a vertex without a goal with the field. The field gets more weight as the nearest
  * landmark becomes nearer than the nearest visible control. */
 void smr_occluded_field_fill(const smr_occluded_field *f, uint32_t v, smr_vec *displacement);
-
 /* While images are tracked: a vertex with an image goal moves along the surface with the field, every other vertex
  * with the field alone. found: result of the image search. Returns SMR_NO_GOAL for an outlier. */
 int smr_occluded_field_blend_image(const smr_occluded_field *f, uint32_t v, int found, smr_vec *displacement);
-
-/* The displacement to the position that the field gives the vertex, mm. */
-smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
-
-/* Weight of hard landmarks at a vertex, 0..1. */
+/* The largest weight of a hard landmark at a vertex, 0..1. */
 float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v);
-
 /* Averages a displacement with the field by the weight of hard landmarks. */
 void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_vec *displacement);
 
-/* Between iterations. smr_landmark_field_solve: solves the field through landmarks alone; returns the variance along
- * an axis, mm^2, or below 0 with too few landmarks. smr_landmark_field_left: the share of that variance left at a
- * vertex. */
+/* Solves the field of landmarks alone. Returns the variance along an axis, mm^2; below 0: too few landmarks. */
 float smr_landmark_field_solve(smr_occluded_field *f);
+/* The share of the field's variance that landmarks leave at a vertex. */
 float smr_landmark_field_left(const smr_occluded_field *f, uint32_t v);
 
 #endif

@@ -1,9 +1,8 @@
-/* target_visibility.c: visibility of each vertex in a target that may lack parts of the model. A goal's weight falls on
+/* target_visibility.c: visibility of each vertex in a target that may lack parts of the model. The visibility falls on
  * an open border of the target, where normals disagree, and where the goal is not mutual: the model point closest to
- * the goal lies far from the vertex. Each factor is continuous. For the rest of its weight the vertex follows the
- * field of occluded vertices.
- * A closed target counts as whole while most of the model's vertices are visible; then all goals have full weight.
- * In a cloud the vertices that its points' weights reach are visible.
+ * the goal lies far from the vertex. Each factor is continuous. A goal counts by the visibility; the field of occluded
+ * vertices has the rest of the weight. A closed target counts as whole while most vertices are visible; then all goals
+ * have full weight. In a cloud the vertices that its points' weights reach are visible.
  * Bounds: three closest points on triangles for each judged vertex; two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -13,14 +12,14 @@
 #define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which it counts as a part */
 #define SMR_VISIBLE_COS 0.6f     /* cosine between normals at or above which they agree fully */
 #define SMR_VISIBLE_STEADY 8u    /* smaller changes of a visibility are ignored, so that goals and weights converge */
-#define SMR_OFF_EDGES 0.5f       /* tolerance in mean edge lengths, added to */
+#define SMR_OFF_EDGES 0.5f       /* tolerance in mean edge lengths; the tolerance in cluster radii is added */
 #define SMR_OFF_RADII 0.1f       /* tolerance in cluster radii: a goal this far beyond a border has no weight */
-#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points, over the distance between them */
-#define SMR_MUTUAL_NONE 1.5f     /* half of it on a goal counts less, at so many times nothing */
 #define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance, mm */
-/* weight of points at a vertex over the mean weight: from there on the vertex is fully visible */
-#define SMR_POINTS_FULL 0.22f
+#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points over the distance between them */
+#define SMR_MUTUAL_NONE 1.5f     /* a goal that is off by this many tolerances has no weight; half of the weight at 1 */
+#define SMR_POINTS_FULL 0.22f    /* weight of points at a fully visible vertex over the mean weight */
 
+/* Returns 1 when the target is a cloud of points. */
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
@@ -47,14 +46,12 @@ void smr_visibility_start(smr_surface_goals *g)
     }
 }
 
-/* Returns 1 in iterations that also judge whole targets: the first of each radius, which decides whether targets are
- * whole, and the last of all. */
+/* Returns 1 when whole targets are judged, too: in the first iteration of each radius, and in the last one of all. */
 static int judged_now(const smr_surface_goals *g)
 {
     const smr_schedule *p = g->schedule;
-    const int ends =
-        smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= g->shared->config.basic.iterations_last;
-    return p->radius_iteration == 0u || ends;
+    const uint32_t last = g->shared->config.basic.iterations_last;
+    return p->radius_iteration == 0u || (smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= last);
 }
 
 int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure)
@@ -62,7 +59,7 @@ int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure)
     return can_judge(g, structure) && (g->target[structure].partial != 0u || judged_now(g));
 }
 
-/* Weight of a goal on an open border, 0..1, by the vertex' distance beyond the border. */
+/* The weight of a goal on an open border, 0..1, by the vertex' distance beyond the border. */
 static float inside_border(const smr_surface *target, const smr_hit *hit, smr_vec displacement, float tolerance)
 {
     if (!smr_surface_on_border(target, hit->triangle, hit->weight))
@@ -72,14 +69,14 @@ static float inside_border(const smr_surface *target, const smr_hit *hit, smr_ve
     return smr_clamp(1.0f - beyond / tolerance, 0.0f, 1.0f);
 }
 
-/* Weighted mean of the model points that are closest to the corners of a target triangle. */
+/* Sums over the model points that are closest to the corners of a target triangle. */
 typedef struct answer {
     smr_vec sum;    /* sum of the points, mm times weight */
     float weight;   /* sum of the weights of corners with a closest point */
     float distance; /* sum of the distances, mm times weight */
 } answer;
 
-/* Adds the closest point to target vertex j on the model triangle that it found last. */
+/* Adds the point closest to target vertex j on the model triangle that the target vertex found last. */
 static void add_corner(const smr_surface_goals *g, const smr_shape_structure *one, const smr_surface *target,
                        uint32_t j, uint32_t triangle, float weight, answer *a)
 {
@@ -102,7 +99,7 @@ static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target
     return g->goal[k].first_warm;
 }
 
-/* Weight of a goal, 0..1, by whether the target's closest points return to the vertex. */
+/* The weight of a goal, 0..1, by how near the target's closest points on the model are to the vertex. */
 static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                     float tolerance)
 {
@@ -124,13 +121,14 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
 }
 
-/* Tolerance of closest points, mm: it is larger while clusters are large. */
+/* The tolerance of closest points, mm, which is larger while clusters are large. */
 static float tolerance_of(const smr_surface_goals *g)
 {
     const float edge = smr_le_float(g->shared->model->edge_mm);
     return smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * g->schedule->lists.radius, SMR_OFF_LEAST);
 }
 
+/* Stores a visibility, 0..1. */
 static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
 {
     const uint32_t now = (uint32_t)(share * (float)SMR_VISIBLE_ONE + 0.5f), before = g->visibility[v];
@@ -142,8 +140,7 @@ void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *t
                           smr_vec displacement)
 {
     const float tolerance = tolerance_of(g);
-    const smr_vec normal = smr_get3(g->shape->normal, v);
-    const smr_vec other = smr_get3(target->tree.normal, hit->triangle);
+    const smr_vec normal = smr_get3(g->shape->normal, v), other = smr_get3(target->tree.normal, hit->triangle);
     const float least = smr_min(g->shared->min_cos, SMR_VISIBLE_COS - 0.1f);
     const float agree = smr_clamp((smr_dot(normal, other) - least) / (SMR_VISIBLE_COS - least), 0.0f, 1.0f);
     float share = agree * inside_border(target, hit, displacement, tolerance);
@@ -172,20 +169,8 @@ float smr_visibility_partial(const smr_surface_goals *g, uint32_t v)
     return smr_clamp((SMR_VISIBLE_WHOLE - visible) / (SMR_VISIBLE_WHOLE - SMR_VISIBLE_PART), 0.0f, 1.0f);
 }
 
-/* Counts visible and judged vertices of each structure. Vertices without triangles are not judged. */
-static void count_visible(const smr_surface_goals *g)
-{
-    for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        g->target[i].n_visible = g->target[i].n_judged = 0;
-    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
-        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-        t->n_visible += g->visibility[v] > SMR_VISIBLE_ONE / 2u;
-        t->n_judged += g->shape->on_surface[v];
-    }
-}
-
-/* Computes the mean normal of the places that a cloud shows; it is short when the cloud surrounds the structure.
- * Updated only while the model is near the target, not after a jump. */
+/* Computes the mean normal of the vertices that a cloud shows, which is short when the cloud surrounds the structure.
+ * Skipped unless the model is near the target, and after a jump. */
 void smr_visibility_note_view(smr_surface_goals *g)
 {
     const smr_schedule *p = g->schedule;
@@ -213,7 +198,13 @@ void smr_visibility_commit(smr_surface_goals *g)
     if (g->visibility == NULL || !(g->partial || judged_now(g)))
         return;
     memcpy(g->visibility, g->visibility_next, g->schedule->n_active);
-    count_visible(g);
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].n_visible = g->target[i].n_judged = 0;
+    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
+        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+        t->n_visible += g->visibility[v] > SMR_VISIBLE_ONE / 2u;
+        t->n_judged += g->shape->on_surface[v]; /* vertices without triangles are not judged */
+    }
     if (g->schedule->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
         return;
     g->partial = 0;

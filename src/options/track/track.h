@@ -1,6 +1,6 @@
-/* track.h: capability: targets that move, after the coarse-to-fine schedule. In: what was set between ticks, what the
- * forces found. Out: the radius, x^r and search distances of the coming iteration; whether targets have jumped, and
- * whether the model rests.
+/* track.h: capability: targets that move, after the coarse-to-fine schedule. In: inputs set between ticks, totals of
+ * the forces. Out: radius, x^r and search distances of the coming iteration; whether targets have jumped, and whether
+ * the model rests.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_TRACK_H
 #define SMR_TRACK_H
@@ -13,11 +13,11 @@
 #define SMR_HAS_TRACK 1
 #endif
 
-/* schedule.changed, in ascending order: an acting input was set; a goal may have moved; a surface, cloud or
- * landmarks, newer than the image, may have moved; there is a new image. */
+/* Values of schedule.changed: an acting input was set; a goal may have moved; a surface, cloud or landmarks, newer than
+ * the image, may have moved; there is a new image. */
 enum { SMR_CHANGED = 1u, SMR_CHANGED_MOVED = 2u, SMR_CHANGED_SHOWN = 3u, SMR_CHANGED_IMAGE = 4u };
 
-/* 1: the schedule is done, and targets are followed. */
+/* Returns 1 when the schedule is done and targets are tracked. */
 static inline int smr_tracks(const smr_schedule *p) { return SMR_HAS_TRACK && p->tracking; }
 
 void smr_tracking_start(smr *s);     /* called when the schedule is done: x becomes the rest shape */
@@ -27,14 +27,13 @@ void smr_tracking_momentum(smr *s);  /* called when the targets of the iteration
 void smr_tracking_find_jump(smr *s); /* called when the forces are complete */
 void smr_tracking_next(smr *s);      /* called after an iteration */
 
-/* 0..1: progress towards the present targets, which determines search distances in an image. */
+/* Progress of the iterations for the present targets, 0..1, with which search distances in an image fall. */
 float smr_tracking_progress(const smr *s);
 
-/* Saves the state of tracking. Then smr_tracking_legal() returns 1 when the restored state is consistent. */
-void smr_tracking_keep(smr_arena *a, smr *s);
-int smr_tracking_legal(const smr *s);
+void smr_tracking_keep(smr_arena *a, smr *s); /* saves or restores the state of tracking */
+int smr_tracking_legal(const smr *s);         /* returns 1 when the restored state is consistent */
 
-/* Notes that an input was set: SMR_CHANGED... */
+/* Notes which input was set: SMR_CHANGED_... */
 static inline void smr_tracking_changed(smr *s, uint32_t changed)
 {
     if (smr_tracks(&s->schedule))

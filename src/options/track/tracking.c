@@ -1,9 +1,9 @@
 /* tracking.c: tracks moving targets. After the schedule the model stays at one radius, elastic about the schedule's
  * result. Each new target starts iterations, until the model rests or track_iterations are spent. The first forces
- * decide whether the target has jumped: its goals are farther than the model can follow. Then, if configured, the
- * coarser radii are used again. When surfaces or landmarks change beside an image that does not, the image is
- * outdated: the field of occluded vertices carries along what was found in it.
- * Bounds: SMR_RADII_MAX; two passes over the vertices when tracking starts, two when an image becomes outdated; with
+ * decide whether the target has jumped: goals are farther than the model can follow. Then, if configured, the coarser
+ * radii are used again. When surfaces or landmarks change beside an old image, the occluded vertices' field carries its
+ * findings along.
+ * Bounds: SMR_RADII_MAX; two passes over the vertices when tracking starts or an image becomes outdated; with
  * track_ahead, one over vertices and triangles for new targets.
  * SPDX-License-Identifier: MIT */
 #include "options/track/track.h"
@@ -11,16 +11,13 @@
 
 #define SMR_TRACK_REACH 12.0f /* radius over the largest mean distance of goals that is no jump */
 #define SMR_TRACK_SOUGHT 0.5f /* largest mean distance of image goals that is no jump, over the search distance */
-/* share of vertices with goals, over the share before, below which a smaller mean distance counts as a jump */
-#define SMR_TRACK_FEWER 0.8f
-/* the same share in an image, where vertices out of reach have no goal or a wrong one nearby */
-#define SMR_TRACK_LOST 0.9f
+#define SMR_TRACK_FEWER 0.8f  /* share of vertices with goals over the share before: with less, half the reach counts */
+#define SMR_TRACK_LOST 0.9f   /* the same share in an image, where vertices out of reach may find a wrong goal nearby */
 #define SMR_TRACK_NARROWING 0.5f /* share of a target's iterations in which search distances in an image fall */
 #define SMR_TRACK_COARSE 24u     /* iterations at all coarser radii together after a jump */
-
-#define SMR_TRACK_MOMENTUM 0.7f /* largest momentum after a jump: more of it oscillates */
-#define SMR_TRACK_STEADY 0.6f   /* largest momentum for clouds beside an image: points attract faster than a surface */
-#define SMR_TRACK_GAIN 3.0f     /* largest factor on forces at coarser radii */
+#define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum after a jump: more of it oscillates */
+#define SMR_TRACK_STEADY 0.6f    /* largest momentum for clouds beside an image: points attract faster than a surface */
+#define SMR_TRACK_GAIN 3.0f      /* largest factor on forces at coarser radii */
 
 void smr_tracking_momentum(smr *s)
 {
@@ -32,6 +29,7 @@ void smr_tracking_momentum(smr *s)
     s->schedule.momentum = smr_min(configured, most);
 }
 
+/* Starts iterations at a radius. */
 static void go_to(smr *s, uint32_t radius)
 {
     smr_radius_go(s, radius);
@@ -64,7 +62,7 @@ int smr_tracking_legal(const smr *s)
            p->radius_iteration <= s->shared.config.track.iterations + SMR_TRACK_COARSE;
 }
 
-/* Share of the vertices with a target that have a goal, in the last complete forces. */
+/* The share of vertices with a target that have a goal, in the last complete forces. */
 static float share_found(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -75,8 +73,8 @@ void smr_tracking_start(smr *s)
 {
     s->schedule.tracking = s->schedule.settled = 1;
     s->schedule.jumped = s->schedule.recovering = 0;
-    /* a target was set after the schedule's last forces */
-    s->schedule.changed = s->forces.unmeasured ? SMR_CHANGED : 0u;
+    s->schedule.changed =
+        s->forces.unmeasured ? SMR_CHANGED : 0u; /* a target is newer than the schedule's last forces */
     s->schedule.found = share_found(s);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
     smr_plastic_positions(&s->shape);
@@ -93,7 +91,7 @@ void smr_tracking_end(smr *s)
     s->schedule.found = 0.0f;
 }
 
-/* Factor on forces at coarser radii: vertices without a goal hold large clusters back. */
+/* The factor on forces at coarser radii, where vertices without a goal hold large clusters back. */
 static float gain_of(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -102,8 +100,7 @@ static float gain_of(const smr *s)
     return smr_min((float)t->n_with_target / (float)t->n_forces, SMR_TRACK_GAIN);
 }
 
-/* Progress of the search in an image: distances start as at the schedule's start and fall over the first half of the
- * iterations. At coarser radii they stay. */
+/* The progress rises over the first half of the iterations at the radius of tracking; at coarser radii it is 0. */
 float smr_tracking_progress(const smr *s)
 {
     const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
@@ -112,8 +109,8 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
-/* Share of the vertices with a target that have a goal without the image. What the image showed counts as found, but
- * not where it completed a partial view. */
+/* The share of vertices with a target that have a goal without the image. Goals that the image showed count, except
+ * where it completed a partial view. */
 static float share_without_image(const smr *s)
 {
     const smr_surface_goals *g = &s->forces.surface;
@@ -126,8 +123,7 @@ static float share_without_image(const smr *s)
     return n_with_target > 0u ? smr_min((float)n_found / (float)n_with_target, 1.0f) : 0.0f;
 }
 
-/* Updates the age of the image. It becomes outdated when other targets change after it was used, and stays so until
- * the next image. */
+/* Updates the age of the image, which is outdated from a change of other targets after its use to the next image. */
 static void note_age(smr *s)
 {
     const int others = s->forces.surface.n_goals > 0u || s->forces.landmarks.n > 0u;
@@ -141,14 +137,13 @@ static void note_age(smr *s)
     }
 }
 
-/* Continues the search in the image when only acting inputs, or a cloud's number of points, have changed. */
+/* Continues the search in the image when only acting inputs or the number of points of a cloud have changed. */
 static void resume_image_search(smr *s)
 {
     const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
     s->schedule.changed = s->schedule.settled = 0;
-    if (s->schedule.recovering == 1u)
-        return;
-    s->schedule.radius_iteration = smr_min_u32(s->schedule.radius_iteration, (uint32_t)narrow);
+    if (s->schedule.recovering != 1u)
+        s->schedule.radius_iteration = smr_min_u32(s->schedule.radius_iteration, (uint32_t)narrow);
 }
 
 void smr_tracking_begin(smr *s)
@@ -178,7 +173,7 @@ void smr_tracking_begin(smr *s)
     s->schedule.radius_iteration = 0;
 }
 
-/* Largest mean distance of goals that the model can follow, mm. In an image no goal is farther than the search. */
+/* The largest mean distance of goals that is no jump, mm. In an image no goal is farther than the search. */
 static float reach_mm(const smr *s)
 {
     const float configured = s->shared.config.track.jump_mm, reach = s->schedule.lists.radius / SMR_TRACK_REACH;
@@ -187,8 +182,7 @@ static float reach_mm(const smr *s)
     return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->schedule.profile_mm) : reach;
 }
 
-/* In the first iteration with new targets: decides whether they have jumped. When a partial view jumps, the
- * remaining goals are nearer, so fewer goals count, too. */
+/* Decides in the first iteration with new targets. After the jump of a partial view fewer and nearer goals remain. */
 void smr_tracking_find_jump(smr *s)
 {
     const float mean = s->forces.totals.mean, reach = reach_mm(s);

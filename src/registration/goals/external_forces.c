@@ -1,5 +1,5 @@
 /* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), and the displacements of contact.
- * Bounds: one pass over the vertices; those of the sources, and of contact_detection.c for vertices and triangles.
+ * Bounds: one pass over the vertices; those of the sources, and of contact.c for vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
 #include "registration/goals/external_forces.h"

@@ -25,9 +25,9 @@ typedef struct smr_track_rest {
     smr_fit one, all;           /* sums of the fits: of the current structure, of the whole model */
     uint32_t structure, vertex; /* next structure and vertex of the summation, in the caller's numbering */
     uint32_t n_tasks;           /* number of tasks of the summation */
-    uint32_t due;               /* 1: x^r follows in this iteration. Written by tracking.c and dynamics_time_steps.c */
+    uint32_t due;               /* 1: x^r follows in this iteration. Written by tracking.c and dynamics.c */
     uint32_t predicted;         /* 1: structures were already moved ahead for the current targets */
-    /* place to which the pose of vertex v, moved to x, is fitted; NULL: x. Written by dynamics_time_steps.c */
+    /* place to which the pose of vertex v, moved to x, is fitted; NULL: x. Written by dynamics.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
 } smr_track_rest;
 

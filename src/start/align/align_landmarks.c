@@ -1,6 +1,5 @@
-/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (similarity_fit.c).
- * Three landmarks that are not collinear determine the rotation. Collinear landmarks, or two, get one of the
- * best-fitting rotations; a single landmark, or coincident ones, get the identity.
+/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (similarity_fit.c). Collinear
+ * landmarks, or two, get one of the best-fitting rotations; a single landmark, or coincident ones, get the identity.
  * Bounds: two passes over at most SMR_LANDMARKS_MAX pairs.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/similarity_fit.h"
@@ -13,9 +12,8 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
     float sum = 0.0f;
     if (from == NULL || to == NULL || pose == NULL)
         return SMR_E_NULL;
-    if (n == 0u || n > SMR_LANDMARKS_MAX || scaled > 1u)
-        return SMR_E_INPUT;
-    if (!smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
+    if (n == 0u || n > SMR_LANDMARKS_MAX || scaled > 1u || !smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) ||
+        !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
     smr_fit_start(&fit, smr_load(from), smr_load(to));
     for (size_t i = 0; i < n; i++)

@@ -1,6 +1,6 @@
 /* align_side.c: samples of a surface, its principal axes, and the sign of its volume.
  * SPDX-License-Identifier: MIT */
-#include "start/align/align_side.h"
+#include "start/align/align.h"
 #include "geometry/box_tree/triangle.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
@@ -23,24 +23,20 @@ static void turn_axes(smr_align_side *side, const smr_surface *s)
         }
 }
 
-/* Computes the area-weighted centroid, principal axes and spread. */
+/* Computes the area-weighted centroid, the principal axes and the spread. */
 static void describe(smr_align_side *side, const smr_surface *s)
 {
-    smr_vec sum = smr_v(0, 0, 0);
-    float weight = 0.0f;
     const smr_vec origin = smr_load(s->xyz);
+    smr_vec sum = smr_v(0, 0, 0);
+    float weight = 0.0f, c[6] = {0}, value[3];
     for (uint32_t i = 0; i < s->n_vertices; i++) {
         sum = smr_add(sum, smr_scale(smr_sub(smr_get3(s->xyz, i), origin), s->area[i]));
         weight += s->area[i];
     }
     const float inverse = weight > 0.0f ? 1.0f / weight : 0.0f;
     side->centre = smr_add(origin, smr_scale(sum, inverse));
-    float c[6] = {0}, value[3];
-    for (uint32_t i = 0; i < s->n_vertices; i++) {
-        const smr_vec d = smr_sub(smr_get3(s->xyz, i), side->centre);
-        const float w = s->area[i] * inverse;
-        smr_add_square(c, w, d);
-    }
+    for (uint32_t i = 0; i < s->n_vertices; i++)
+        smr_add_square(c, s->area[i] * inverse, smr_sub(smr_get3(s->xyz, i), side->centre));
     side->spread = SMR_SQRT(c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ]);
     smr_eigen(c, value, side->axes);
     turn_axes(side, s);
@@ -62,8 +58,7 @@ static int inside_out(const smr_surface *s, smr_vec centre)
     return volume < 0.0f;
 }
 
-/* The vertex that has `wanted` vertices before it, without small components. at: the last vertex found, and its
- * count. */
+/* The vertex after `wanted` vertices, without small components. at: the last vertex found, and the number before it. */
 static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
 {
     for (; at[1] < wanted || smr_surface_fragment(s, at[0]); at[0]++)

@@ -1,23 +1,136 @@
-/* align_surfaces.c: the start pose from two surfaces, without landmarks, and what is to be said about it.
- * Method: align_find.c finds good poses; the best one is refined over all pairs when both surfaces are explained as
- * wholes, else over the pairs that belong together. The pose as given is kept when it is about as good.
- * Bounds: those of align_find.c, and two refinements of config.basic.iterations rounds.
+/* align_surfaces.c: the start pose from two surfaces, without landmarks, and a report on it.
+ * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
+ * which is right for whole surfaces; short refinements of the results and of the given pose, longer ones of the best.
+ * The best pose is refined over all pairs when nearly all samples of both surfaces match, else without outliers. The
+ * given pose is kept when it is about as good.
+ * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS, 2 of
+ * config.iterations; for the mirror image 1 search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "start/align/align.h"
 
-#define SMR_FAR_SHARE 0.75f       /* search limit over the larger spread */
-#define SMR_EXPLAINED_SHARE 0.08f /* matching limit, when poses are compared, over the smaller spread */
-#define SMR_WHOLE 0.9f            /* smallest matched share of each side in a pair of wholes */
-#define SMR_WHOLE_WORSE 1.2f      /* largest ratio of costs: a refinement over all pairs to the one without outliers */
-#define SMR_WHOLE_SLACK 0.02f     /* cost that is added to that limit */
-#define SMR_GIVEN_WORSE 1.25f     /* the given pose is kept when its distance is larger by at most this factor */
-#define SMR_OTHER_COS 0.866f  /* cosine of the rotation (30 degrees) from which on two poses are clearly different */
-#define SMR_OTHER_SHIFT 0.15f /* the same for the distance, over the target's spread */
-#define SMR_ALIKE_COST 1.1f   /* another pose matches as well up to this factor of the best pose's cost */
-#define SMR_ALIKE_SLACK 0.01f /* cost that is added to that limit */
-#define SMR_POSE_ROUNDING 1.0e-3f  /* tolerance of a given rotation's entries */
-#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of a given pose; its inverse is the smallest */
+#define SMR_ROUNDS_SHORT 6u   /* rounds of a short refinement */
+#define SMR_ROUNDS 16u        /* rounds of a longer refinement */
+#define SMR_FINALISTS 4u      /* poses that are refined longer */
+#define SMR_OF_SCALE 8u       /* poses kept from a search at another scale, and from the search for the mirror image */
+#define SMR_LARGER 1.136f     /* ratio of the other scales, and its inverse: a part does not determine the scale */
+#define SMR_SAME_SIZE 0.03f   /* spreads that differ by less than this share need no search of their own */
+#define SMR_ALIKE_COS 0.95f   /* similar poses: least cosine of the rotation between them (18 degrees) */
+#define SMR_ALIKE_SHIFT 0.1f  /* similar poses: largest distance over the target's spread */
+#define SMR_ALIKE_SCALE 1.04f /* similar poses: largest ratio of scales */
+#define SMR_CHEAPER 0.98f     /* of two similar poses the later one wins only if it costs less than this share */
+#define SMR_FAR_SHARE 0.75f   /* search limit over the larger spread */
+#define SMR_EXPLAINED_SHARE 0.08f /* matching limit over the smaller spread, when poses are compared */
+#define SMR_WHOLE 0.9f            /* surfaces are wholes when a larger share of each side's samples matches */
+#define SMR_WHOLE_WORSE 1.2f      /* wholes: largest cost after a refinement over all pairs, over the cost before */
+#define SMR_WHOLE_SLACK 0.02f     /* cost that is added to the limit by SMR_WHOLE_WORSE */
+#define SMR_GIVEN_WORSE 1.25f     /* the given pose is kept up to this ratio of its rms distance to the found pose's */
+#define SMR_OTHER_COS 0.866f  /* clearly different poses: largest cosine of the rotation between them (30 degrees) */
+#define SMR_OTHER_SHIFT 0.15f /* clearly different poses: least distance over the target's spread */
+#define SMR_ALIKE_COST 1.1f   /* another pose matches as well: largest cost over that of the best pose */
+#define SMR_ALIKE_SLACK 0.01f /* cost that is added to the limit by SMR_ALIKE_COST */
+#define SMR_POSE_ROUNDING 1.0e-3f  /* tolerance of the given rotation's entries */
+#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; its inverse is the smallest */
+
+/* State of smr_align() in the caller's memory. */
+typedef struct align_work {
+    smr_aligner aligner;
+    smr_coarse coarse;
+    smr_pose_list found, shorter; /* poses of the current stage */
+    smr_pose_list best;           /* the good poses, cheapest first */
+    uint32_t few, some, all;      /* number of samples in short, in longer and in the last refinements */
+} align_work;
+
+/* The distance between two poses, mm: of images of the model's centre or of preimages of the target's, if smaller. */
+static float shift_between(const smr_aligner *a, const smr_pose *p, const smr_pose *q)
+{
+    const smr_vec model = a->side[SMR_MODEL].centre, target = a->side[SMR_TARGET].centre;
+    const smr_pose p_back = smr_pose_invert(p), q_back = smr_pose_invert(q);
+    const float forth = smr_length(smr_sub(smr_pose_apply(p, model), smr_pose_apply(q, model)));
+    const float back = smr_length(smr_sub(smr_pose_apply(&p_back, target), smr_pose_apply(&q_back, target)));
+    return smr_min(forth, back * smr_pose_scale(p));
+}
+
+/* Returns 1 when two poses differ by more than a rotation of this cosine or by more than `shift` target spreads. */
+static int pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose *q, float cosine, float shift)
+{
+    float trace = 0.0f;
+    for (uint32_t i = 0; i < 9u; i++)
+        trace += p->m[i / 3u][i % 3u] * q->m[i / 3u][i % 3u];
+    trace /= smr_pose_scale(p) * smr_pose_scale(q); /* 1 + 2 cos of the angle between both */
+    return trace < 1.0f + 2.0f * cosine || shift_between(a, p, q) > shift * a->side[SMR_TARGET].spread;
+}
+
+/* Inserts a pose, or replaces a similar one that costs clearly more, so that rounding does not decide. */
+static void insert_or_replace(const smr_aligner *a, const smr_pose *pose, float cost, smr_pose_list *into)
+{
+    for (uint32_t i = 0; i < into->n; i++) {
+        const float ratio = smr_pose_scale(pose) / smr_pose_scale(&into->pose[i]);
+        if (ratio > SMR_ALIKE_SCALE || ratio * SMR_ALIKE_SCALE < 1.0f ||
+            pose_differs(a, pose, &into->pose[i], SMR_ALIKE_COS, SMR_ALIKE_SHIFT))
+            continue;
+        if (cost >= SMR_CHEAPER * into->cost[i])
+            return;
+        smr_list_remove(into, i);
+        break;
+    }
+    smr_list_insert(into, pose, cost);
+}
+
+/* Refines the poses of `from` into `into` (how: SMR_REFINE_...). Similar poses are merged, failed ones left out. */
+static void refine_list(smr_aligner *a, const smr_pose_list *from, uint32_t samples, uint32_t rounds, uint32_t how,
+                        smr_pose_list *into)
+{
+    for (uint32_t i = 0; i < from->n; i++) {
+        smr_pose pose = from->pose[i];
+        if (!smr_align_refine(a, samples, rounds, how, &pose))
+            continue;
+        smr_pairs_find(a, &pose, samples);
+        insert_or_replace(a, &pose, smr_pairs_cost(a), into);
+    }
+}
+
+/* Adds the poses that a search at this scale finds to w->shorter. how: SMR_REFINE_... */
+static void try_scale(align_work *w, float scale, uint32_t how)
+{
+    smr_list_start(&w->found, SMR_OF_SCALE);
+    smr_align_search(&w->aligner, &w->coarse, scale, SMR_SHIFTS_LONG, 0, &w->found);
+    refine_list(&w->aligner, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
+}
+
+/* Fills w->best, always with a scale, which distinguishes bones of two sizes. `given` is one of the tried poses. */
+static void find_poses(align_work *w, const smr_pose *given)
+{
+    smr_aligner *a = &w->aligner;
+    const float ratio = a->side[SMR_TARGET].spread / smr_max(a->side[SMR_MODEL].spread, 1.0e-6f);
+    smr_coarse_take(&w->coarse, a);
+    smr_list_start(&w->found, SMR_LIST_MOST);
+    smr_align_search(a, &w->coarse, 1.0f, SMR_SHIFTS, 0, &w->found);
+    smr_list_insert(&w->found, given, 0.0f);
+    smr_list_start(&w->shorter, SMR_FINALISTS);
+    refine_list(a, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
+    try_scale(w, 1.0f / SMR_LARGER, SMR_REFINE_TRIMMED);
+    try_scale(w, SMR_LARGER, SMR_REFINE_TRIMMED);
+    if (!smr_within(ratio - 1.0f, SMR_SAME_SIZE) && ratio > 0.2f && ratio < 5.0f)
+        try_scale(w, ratio, 0);
+    smr_list_start(&w->best, SMR_FINALISTS);
+    refine_list(a, &w->shorter, w->some, SMR_ROUNDS, SMR_REFINE_SCALED | SMR_REFINE_TRIMMED, &w->best);
+}
+
+/* Finds the best pose of the model's mirror image near this scale, after find_poses(). */
+static smr_pose find_mirrored(align_work *w, float scale, int scaled)
+{
+    const uint32_t how = SMR_REFINE_TRIMMED | (scaled ? SMR_REFINE_SCALED : 0u);
+    smr_list_start(&w->found, SMR_OF_SCALE);
+    smr_align_search(&w->aligner, &w->coarse, scale, SMR_SHIFTS_LONG, 1, &w->found);
+    smr_pose pose = w->found.pose[0];
+    smr_list_start(&w->shorter, 1);
+    refine_list(&w->aligner, &w->found, w->few, SMR_ROUNDS_SHORT, how, &w->shorter);
+    if (w->shorter.n > 0u)
+        pose = w->shorter.pose[0];
+    (void)smr_align_refine(&w->aligner, w->some, SMR_ROUNDS, how, &pose);
+    return pose;
+}
 
 smr_align_config smr_align_config_default(void)
 {
@@ -48,7 +161,7 @@ static int is_pose(const smr_pose *p)
     return 1;
 }
 
-static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_aligner *a)
+static void layout(smr_arena *arena, uint32_t n, align_work **work, smr_aligner *a)
 {
     *work = smr_arena_take(arena, 1, sizeof **work);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
@@ -62,7 +175,7 @@ static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_alig
 
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 {
-    smr_align_work *work;
+    align_work *work;
     smr_aligner a;
     if (config == NULL || bytes == NULL)
         return SMR_E_NULL;
@@ -75,7 +188,7 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 }
 
 /* Describes both surfaces and sets the limits that follow from their sizes. */
-static void prepare(smr_align_work *w, const smr_surface *model, const smr_surface *target, uint32_t samples)
+static void prepare(align_work *w, const smr_surface *model, const smr_surface *target, uint32_t samples)
 {
     smr_aligner *a = &w->aligner;
     w->few = samples / 10u + 8u;
@@ -89,9 +202,9 @@ static void prepare(smr_align_work *w, const smr_surface *model, const smr_surfa
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
 }
 
-/* Refines the best pose. Returns 1 for a pair of wholes, for which all pairs count. Otherwise outliers are rejected;
- * without a scale the start is the rigid pose that fits the pairs of the scaled one. */
-static int refine_best(smr_align_work *w, const smr_align_config *config, smr_pose *pose)
+/* Refines the best pose. Returns 1 when both surfaces are wholes and all pairs count. Otherwise outliers are rejected;
+ * without a scale the refinement starts from the rigid pose that fits the scaled pose's pairs. */
+static int refine_best(align_work *w, const smr_align_config *config, smr_pose *pose)
 {
     smr_aligner *a = &w->aligner;
     const uint32_t scaled = config->scaled ? SMR_REFINE_SCALED : 0u;
@@ -103,7 +216,7 @@ static int refine_best(smr_align_work *w, const smr_align_config *config, smr_po
         smr_pairs_find(a, pose, w->some);
         if (!scaled || smr_pairs_cost(a) <= SMR_WHOLE_WORSE * cost + SMR_WHOLE_SLACK)
             return 1;
-        *pose = best; /* the pose has spread unlike parts over each other */
+        *pose = best; /* the refined pose has spread unlike parts over each other */
     }
     if (!scaled)
         (void)smr_align_refine(a, w->some, 1, SMR_REFINE_TRIMMED, pose);
@@ -111,19 +224,20 @@ static int refine_best(smr_align_work *w, const smr_align_config *config, smr_po
     return 0;
 }
 
-/* The rms distance of a pose over those shares of both surfaces, mm. */
+/* The root mean square distance of a pose over the nearest share[] of each side's samples, mm. */
 static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, const float share[SMR_SIDES])
 {
     smr_pairs_find(a, pose, samples);
     return smr_pairs_rms(a, share);
 }
 
-static void compare_others(smr_align_work *w, const float share[SMR_SIDES], smr_align_report *r)
+/* Reports how well the other good poses match. */
+static void compare_others(align_work *w, const float share[SMR_SIDES], smr_align_report *r)
 {
     const smr_pose_list *best = &w->best;
     r->n_alike = 1;
     for (uint32_t i = 1; i < best->n; i++) {
-        if (!smr_pose_differs(&w->aligner, &best->pose[i], &best->pose[0], SMR_OTHER_COS, SMR_OTHER_SHIFT))
+        if (!pose_differs(&w->aligner, &best->pose[i], &best->pose[0], SMR_OTHER_COS, SMR_OTHER_SHIFT))
             continue;
         const float rms = rms_of(&w->aligner, &best->pose[i], w->some, share);
         if (r->second_rms_mm == 0.0f || rms < r->second_rms_mm)
@@ -132,21 +246,17 @@ static void compare_others(smr_align_work *w, const float share[SMR_SIDES], smr_
     }
 }
 
-/* Fills the report about *pose; *pose becomes the given pose when that is kept. */
-static void report_pose(smr_align_work *w, int whole, int scaled, const smr_pose *given, smr_pose *pose,
+/* Fills the report on *pose; *pose becomes the given pose when the given pose is kept. */
+static void report_pose(align_work *w, int whole, int scaled, const smr_pose *given, smr_pose *pose,
                         smr_align_report *r)
 {
     smr_aligner *a = &w->aligner;
-    float share[SMR_SIDES] = {1.0f, 1.0f};
     memset(r, 0, sizeof *r);
     smr_pairs_find(a, pose, w->all);
     const float limit = smr_pairs_limit(a);
     r->model_share = smr_pairs_share(a, SMR_MODEL, limit);
     r->target_share = smr_pairs_share(a, SMR_TARGET, limit);
-    if (!whole) {
-        share[SMR_MODEL] = r->model_share;
-        share[SMR_TARGET] = r->target_share;
-    }
+    const float share[SMR_SIDES] = {whole ? 1.0f : r->model_share, whole ? 1.0f : r->target_share};
     r->rms_mm = smr_pairs_rms(a, share);
     const float rms_given = rms_of(a, given, w->all, share);
     if (rms_given <= SMR_GIVEN_WORSE * r->rms_mm) {
@@ -156,7 +266,7 @@ static void report_pose(smr_align_work *w, int whole, int scaled, const smr_pose
     }
     r->scale = smr_pose_scale(pose);
     compare_others(w, share, r);
-    const smr_pose mirrored = smr_align_find_mirrored(w, r->scale, scaled);
+    const smr_pose mirrored = find_mirrored(w, r->scale, scaled);
     r->mirrored_rms_mm = rms_of(a, &mirrored, w->some, share);
     r->model_inside_out = a->side[SMR_MODEL].outward < 0.0f;
     r->target_inside_out = a->side[SMR_TARGET].outward < 0.0f;
@@ -167,7 +277,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
 {
     static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr_arena arena;
-    smr_align_work *work;
+    align_work *work;
     smr_aligner parts;
     smr_align_report said;
     if (model == NULL || target == NULL || config == NULL || pose == NULL)
@@ -190,7 +300,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     prepare(work, model, target, config->samples);
     smr_pose given = as_given, found;
     smr_pose_through(&given, smr_v(0, 0, 0), smr_sub(smr_pose_apply(&as_given, model->origin), target->origin));
-    smr_align_find(work, &given); /* from here on in coordinates relative to the surfaces' origins */
+    find_poses(work, &given); /* from here on poses are relative to the surfaces' origins */
     if (work->best.n == 0u)
         return SMR_E_INPUT;
     found = work->best.pose[0];

@@ -1,12 +1,11 @@
-/* thin_plate_spline.c: thin-plate-spline interpolation of landmarks (paper 3, iconic registration; Bookstein 1989;
- * with smoothing: Rohr et al. 1996, where each landmark has the number of its duplicates as weight).
+/* thin_plate_spline.c: thin-plate-spline interpolation of landmarks (paper 3, iconic registration; Bookstein 1989; with
+ * smoothing: Rohr et al. 1996, where each landmark has the number of its duplicates as weight).
  * Method: v(u) = A u + a + sum w_i K(|u - u_i|) with K(r) = -r. u is the point relative to the landmarks' centroid, in
  * units of a power of two near their spread. With this sign K + lambda I is definite on the allowed weights, so
  * smoothing always improves the condition. thin_plate_solve.c solves (K + lambda I) w + P a = goal, P^T w = 0. P's
  * columns are 1 and the principal coordinates scaled to unit spread, so that nearly coplanar landmarks lose no digits.
  * Coplanar landmarks get a scaled rigid transform, collinear ones (or two) a rigid transform, a single place a
- * translation.
- * Landmarks closer than SMR_SAME_MM or SMR_SAME_SHARE of the extent are merged, at the first one's place with the mean
+ * translation. Landmarks closer than SMR_SAME_MM or SMR_SAME_SHARE are merged, at the first one's place with the mean
  * goal.
  * Accuracy without smoothing: 5e-4 mm at the landmarks of bodies of 600 mm with random displacements of 60 mm (the
  * worst case); 3e-4 mm for affine maps within twice the body's size.
@@ -19,21 +18,20 @@
 #include "geometry/surface/mesh.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
-#define SMR_WARP_AFFINE 4u /* columns of P */
-#define SMR_SAME_MM 1.0e-4f
-#define SMR_SAME_SHARE 2.0e-5f
-#define SMR_LINE_SHARE                                                                                                 \
-    1.0e-3f /* collinear: second variance relative to the largest, as in rotation_polar_decomposition.c */
-#define SMR_PLANE_SHARE 1.0e-4f /* coplanar: third variance relative to the largest */
-#define SMR_LAMBDA_MAX 1.0e9f   /* in units of u; with more smoothing the kernels' part vanishes in a float */
+#define SMR_WARP_AFFINE 4u      /* columns of P */
+#define SMR_SAME_MM 1.0e-4f     /* smallest distance between landmarks that are not merged, mm */
+#define SMR_SAME_SHARE 2.0e-5f  /* the same distance over the landmarks' extent; the larger one counts */
+#define SMR_LINE_SHARE 1.0e-3f  /* collinear landmarks: largest second variance over the largest variance */
+#define SMR_PLANE_SHARE 1.0e-4f /* coplanar landmarks: largest third variance over the largest variance */
+#define SMR_LAMBDA_MAX 1.0e9f   /* largest lambda, in units of u: with more the kernels' part vanishes in a float */
 
 struct smr_warp {
     uint32_t magic;   /* SMR_WARP_MAGIC */
     uint32_t n;       /* number of kernels; 0 unless the warp is a spline */
-    smr_vec from, to; /* mm: centroids of the landmarks and of their goals */
+    smr_vec from, to; /* centroids of the landmarks and of their goals, mm */
     float per_mm;     /* u = (x - from) * per_mm */
     smr_pose affine;  /* A and a: maps u to mm from `to` */
-    float *centre;    /* [n][3] u_i: the landmarks */
+    float *centre;    /* [n][3] u_i: positions of the distinct landmarks */
     float *weight;    /* [n][3] w_i, mm */
 };
 
@@ -41,12 +39,12 @@ struct smr_warp {
 typedef struct job {
     smr_warp *warp;
     float *goal;       /* [n][3] mm from warp->to; mean of the duplicates' goals */
-    float *count;      /* [n] landmarks merged into each */
-    float *matrix;     /* [n + 4][n + 4] */
+    float *count;      /* [n] number of landmarks merged into each */
+    float *matrix;     /* [n + 4][n + 4] matrix of the equations */
     float *side;       /* [n + 4][3] right-hand sides */
     smr_system system; /* with matrix, side and scratch of its own */
     smr_vec axis[3];   /* principal directions divided by the spread along them */
-    float variance[3]; /* along the principal directions in units of u^2, largest first */
+    float variance[3]; /* variances along the principal directions in units of u^2, largest first */
     float lambda;      /* smoothing in units of u */
     uint32_t n;        /* distinct landmarks */
 } job;
@@ -57,7 +55,6 @@ static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
     j->warp = smr_arena_take(a, 1, sizeof *j->warp);
     w->centre = smr_arena_take(a, n, 3 * sizeof(float));
     w->weight = smr_arena_take(a, n, 3 * sizeof(float));
-    /* scratch of the fit only */
     j->goal = smr_arena_take(a, n, 3 * sizeof(float));
     j->count = smr_arena_take(a, n, sizeof(float));
     j->matrix = smr_arena_take(a, m * m, sizeof(float));
@@ -84,7 +81,7 @@ smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
     return SMR_OK;
 }
 
-/* The largest distance from the first point. */
+/* The largest distance from the first of n points. */
 static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
@@ -103,7 +100,7 @@ static smr_vec mean(const float *xyz, uint32_t n)
     return smr_add(first, smr_scale(sum, 1.0f / (float)n));
 }
 
-/* Merges duplicates: fills w->centre (still in mm), goal and count with the distinct landmarks. */
+/* Merges duplicates: fills centres (in mm), goals and counts with the distinct landmarks. */
 static void merge(job *j, smr_warp *w, const float *from, const float *to, uint32_t n)
 {
     const float same = smr_max(SMR_SAME_MM, SMR_SAME_SHARE * extent(from, n));
@@ -111,8 +108,7 @@ static void merge(job *j, smr_warp *w, const float *from, const float *to, uint3
     w->to = mean(to, n);
     j->n = 0;
     for (uint32_t i = 0; i < n; i++) {
-        const smr_vec p = smr_sub(smr_get3(from, i), w->from);
-        const smr_vec goal = smr_sub(smr_get3(to, i), w->to);
+        const smr_vec p = smr_sub(smr_get3(from, i), w->from), goal = smr_sub(smr_get3(to, i), w->to);
         uint32_t k = 0;
         while (k < j->n && smr_length(smr_sub(p, smr_get3(w->centre, k))) > same)
             k++;
@@ -128,7 +124,8 @@ static void merge(job *j, smr_warp *w, const float *from, const float *to, uint3
         smr_put3(j->goal, k, smr_scale(smr_get3(j->goal, k), 1.0f / j->count[k]));
 }
 
-/* Scales w->centre to units of u and finds its principal directions and variances. */
+/* Scales the spline's centres to lengths near 1, by a power of two, and finds their principal directions and
+ * variances. */
 static void normalise(job *j, smr_warp *w)
 {
     float unit = 1.0f, c[6] = {0}, v[9], most = 0.0f;
@@ -143,17 +140,13 @@ static void normalise(job *j, smr_warp *w)
     for (size_t i = 0; i < 3u * (size_t)j->n; i++)
         w->centre[i] *= w->per_mm;
     const smr_vec middle = mean(w->centre, j->n);
-    for (uint32_t k = 0; k < j->n; k++) {
-        const smr_vec d = smr_sub(smr_get3(w->centre, k), middle);
-        smr_add_square(c, 1.0f, d);
-    }
+    for (uint32_t k = 0; k < j->n; k++)
+        smr_add_square(c, 1.0f, smr_sub(smr_get3(w->centre, k), middle));
     for (int i = 0; i < 6; i++)
         c[i] /= (float)j->n;
     smr_eigen(c, j->variance, v);
-    for (int k = 0; k < 3; k++) {
-        const float spread = SMR_SQRT(smr_max(j->variance[k], 1.0e-12f));
-        j->axis[k] = smr_scale(smr_axis(v, k), 1.0f / spread);
-    }
+    for (int k = 0; k < 3; k++)
+        j->axis[k] = smr_scale(smr_axis(v, k), 1.0f / SMR_SQRT(smr_max(j->variance[k], 1.0e-12f)));
 }
 
 /* The kind of warp (SMR_WARP_...) with the most freedom that the landmarks determine. */
@@ -169,8 +162,8 @@ static uint32_t choose_kind(const job *j)
     return j->n >= 3u && j->variance[1] > SMR_LINE_SHARE * largest ? SMR_WARP_SCALED : SMR_WARP_RIGID;
 }
 
-/* Fills the matrix [K + lambda I, P; P^T, 0] and the right-hand sides. K + lambda I is divided by `unit`, so that
- * entries stay near 1. */
+/* Fills the matrix [K + lambda I, P; P^T, 0], where K + lambda I is over `unit` (entries near 1), and the right-hand
+ * sides. */
 static void fill_equations(const job *j, const smr_warp *w, float unit)
 {
     const size_t n = j->n, m = n + SMR_WARP_AFFINE;
@@ -215,7 +208,7 @@ static int fit_spline(job *j, smr_warp *w)
 static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
 {
     const float unit = 1.0f / w->per_mm;
-    smr_pose p = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; /* moves centroid to centroid: these are the origins */
+    smr_pose p = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; /* moves centroid to centroid, the origins */
     if (kind != SMR_WARP_TRANSLATION) {
         smr_fit fit;
         smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
@@ -241,9 +234,8 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     const smr_status status = smr_arena_start(&a, memory, bytes);
     if (status != SMR_OK)
         return status;
-    if (n == 0u || n > SMR_LANDMARKS_MAX || !(smoothing >= 0.0f && smoothing <= FLT_MAX))
-        return SMR_E_INPUT;
-    if (!smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
+    if (n == 0u || n > SMR_LANDMARKS_MAX || !(smoothing >= 0.0f && smoothing <= FLT_MAX) ||
+        !smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
     if (smr_warp_bytes(n, &needed) != SMR_OK || needed > bytes)
         return SMR_E_ARENA;

@@ -1,40 +1,39 @@
-/* contact_detection.c: what vertices touch, and the way out. A vertex that touches another structure within
- * SMR_CONTACT_BAND has a plane there, with the way out as its normal. Displaced by forces and momentum, and the other
- * surface by its own, it may not lie behind the plane: what is missing is shared by mass, and each side adds its share,
- * along the normal only, so sliding is free. Source: non-penetration constraints of Mueller et al., "Position based
- * dynamics", 2006. Inside, the way out leads through triangles that face the vertex' own normal, so that a thin
- * structure is not passed through; from fixed surfaces it is the shortest. What a vertex touches fades in and out with
- * distance. A lower bound on the distance to everything spares most searches: it falls by what has moved since.
- * Bounds: two searches of config.forces.node_budget tree nodes for each vertex and body whose box is near.
+/* contact.c: finds the contacts of vertices and the displacements that end penetration, and projects positions out of
+ * contacts. A contact is a plane near a vertex, within SMR_CONTACT_BAND of another structure, with the exit direction
+ * as its normal. Displaced by forces and momentum, and the other surface by its own, the vertex may not lie behind the
+ * plane: both sides share the missing displacement by mass, along the normal only, so sliding is free (non-penetration
+ * constraints of Mueller et al., "Position based dynamics", 2006). Inside, the exit leads through triangles that face
+ * the vertex' own normal, so that a thin structure is not passed through; from fixed surfaces it is the shortest.
+ * Weights fade with distance. A lower bound on the distance to all bodies, less the displacements since, spares most
+ * searches.
+ * Projection: clusters average the displacements of single vertices, and a vertex inside a triangle does not push the
+ * triangle's corners. At the last radius, before the search for folds, vertex and corners share the missing
+ * displacement by mass and barycentric weights, which keeps linear and angular momentum.
+ * Bounds: two searches of config.forces.node_budget tree nodes for each vertex and body whose box is near;
+ * SMR_PROJECT_PASSES passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
-
 #include "geometry/surface/signed_distance.h"
-#include "registration/shape/enclosed_volume.h"
 
-#define SMR_CONTACT_DEEP 10.0f /* mm: a vertex deeper inside than this when first searched is not pushed out */
-/* mm beyond the contact thickness: contacts start there, and have full weight at half of it */
-#define SMR_CONTACT_BAND 0.5f
-#define SMR_REACH_NEAR 1.25f /* contact zones: search radius for vertices that were near a surface */
-#define SMR_REACH_FAR 4.0f   /* contact zones: search radius for all other vertices */
-/* cosine between exit direction and inward normal: at or above it a contact has no weight */
-#define SMR_FACING_NONE (-0.5f)
+#define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside than this when first searched is not pushed out */
+#define SMR_CONTACT_BAND 0.5f   /* mm beyond the contact thickness: contacts start there; at half of it they are full */
+#define SMR_REACH_NEAR 1.25f    /* search radius of vertices that were near a surface, in contact zones */
+#define SMR_REACH_FAR 4.0f      /* search radius of all other vertices, in contact zones */
+#define SMR_FACING_NONE (-0.5f) /* cosine between exit direction and inward normal: at or above it no weight */
 #define SMR_FACING_FULL (-0.3f) /* the same cosine: at or below it a contact has full weight */
-/* a vertex that is nearer to the opposite surface by this factor has passed through the structure */
-#define SMR_PASSED 4.0f
-/* number of last iterations that also test triangles' centres: in more of them the centres drift */
-#define SMR_TRIANGLES_LAST 2u
+#define SMR_PASSED 4.0f /* factor: a vertex so much nearer to the opposite surface has passed through the structure */
+#define SMR_TRIANGLES_LAST 2u   /* last iterations that also test triangles' centres: in more the centres drift */
 #define SMR_TRIANGLE_REACH 3.0f /* mm beyond the contact thickness: search depth of triangles' centres */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
+#define SMR_PROJECT_PASSES 3u /* passes of the projection over all contacts */
 
 static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.contact.n_fixed; }
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    if (shared->config.contact.n_fixed > 0u)
-        c->fixed = smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed,
-                                    sizeof *c->fixed); /* set again: restore_awaited_inputs.c */
+    if (shared->config.contact.n_fixed > 0u) /* not saved: restore_awaited_inputs.c sets the surfaces again */
+        c->fixed = smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed, sizeof *c->fixed);
     if (!(shared->config.contact.share > 0.0f))
         return;
     c->box = smr_slot_scratch(a, c->box, n_bodies(shared), 6u * sizeof(float));
@@ -75,27 +74,7 @@ int smr_fixed_valid(const smr_contact *c)
     return valid;
 }
 
-/* The box of all triangles in a tree, moved by shift. An empty tree gives a box whose low corner lies above the high
- * one. */
-static void box_of(const smr_box_tree *f, smr_vec shift, float box[6])
-{
-    const float off[3] = {shift.x, shift.y, shift.z};
-    for (uint32_t axis = 0; axis < 3u; axis++) {
-        float lo = SMR_FAR, hi = -SMR_FAR;
-        for (uint32_t k = 0; f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
-            const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
-            if (!(root->lo[axis][k] < SMR_FAR))
-                continue;
-            lo = smr_min(lo, root->lo[axis][k]);
-            hi = smr_max(hi, root->hi[axis][k]);
-        }
-        box[axis] = lo + off[axis];
-        box[3u + axis] = hi + off[axis];
-    }
-}
-
-/* The triangles of a structure or of a fixed surface; NULL: the body cannot be touched. shift: from the body's
- * origin to the shape's, mm. */
+/* The triangles of a body; NULL: it cannot be touched. shift: vector from the shape's origin to the body's, mm. */
 static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
 {
     *shift = smr_v(0, 0, 0);
@@ -108,29 +87,33 @@ static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec 
     return &surface->tree;
 }
 
+/* Computes the box of a body. A body that cannot be touched gets a box whose low corner lies above the high one. */
 static void place_box(smr_contact *c, uint32_t body)
 {
-    static const float none[6] = {SMR_FAR, SMR_FAR, SMR_FAR, -SMR_FAR, -SMR_FAR, -SMR_FAR};
     smr_vec shift;
     const smr_box_tree *f = body_of(c, body, &shift);
-    if (f == NULL)
-        memcpy(c->box + 6u * (size_t)body, none, sizeof none);
-    else
-        box_of(f, shift, c->box + 6u * (size_t)body);
-}
-
-/* Returns 1 in the last iterations of the last radius. */
-static int triangles_due(const smr_contact *c)
-{
-    return smr_contact_on(c) && smr_at_last_radius(c->shared, c->schedule) && !c->schedule->tracking &&
-           c->schedule->radius_iteration + SMR_TRIANGLES_LAST >= c->shared->config.basic.iterations_last;
+    const float off[3] = {shift.x, shift.y, shift.z};
+    float *const box = c->box + 6u * (size_t)body;
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        float lo = SMR_FAR, hi = -SMR_FAR;
+        for (uint32_t k = 0; f != NULL && f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
+            const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
+            if (!(root->lo[axis][k] < SMR_FAR))
+                continue;
+            lo = smr_min(lo, root->lo[axis][k]);
+            hi = smr_max(hi, root->hi[axis][k]);
+        }
+        box[axis] = lo + off[axis];
+        box[3u + axis] = hi + off[axis];
+    }
 }
 
 void smr_contact_begin(smr_contact *c)
 {
     for (uint32_t i = 0; c->touch != NULL && i < n_bodies(c->shared); i++)
         place_box(c, i);
-    c->triangles_due = (uint32_t)triangles_due(c);
+    c->triangles_due = smr_contact_on(c) && smr_at_last_radius(c->shared, c->schedule) && !c->schedule->tracking &&
+                       c->schedule->radius_iteration + SMR_TRIANGLES_LAST >= c->shared->config.basic.iterations_last;
 }
 
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
@@ -145,8 +128,7 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
         c->reach[v] = SMR_REACH_UNKNOWN;
 }
 
-/* Stores the new distance bounds. The bounds of inactive vertices fall by the largest displacement; while folds are
- * repaired that is all vertices. */
+/* Stores the new distance bounds. Bounds of vertices without a new one fall by the largest displacement. */
 void smr_contact_commit(smr_contact *c)
 {
     const uint32_t n = smr_contact_on(c) ? c->schedule->n_active : 0u;
@@ -158,16 +140,17 @@ void smr_contact_commit(smr_contact *c)
             c->reach[v] = smr_max(c->reach[v] - 2.0f * *c->moved_mm, 2.0f * SMR_REACH_UNKNOWN);
 }
 
+/* Returns 1 when p lies within `reach` mm of a box. */
 static int in_reach(const float *box, smr_vec p, float reach)
 {
     return p.x > box[0] - reach && p.y > box[1] - reach && p.z > box[2] - reach && p.x < box[3] + reach &&
            p.y < box[4] + reach && p.z < box[5] + reach;
 }
 
+/* Rises from 0 at `from` to 1 at `to`, and stays at 0 and 1 beyond. */
 static float ramp(float value, float from, float to) { return smr_clamp((value - from) / (to - from), 0.0f, 1.0f); }
 
-/* For a vertex inside a structure: finds the exit through triangles that face the vertex. Returns the contact's
- * weight. */
+/* Finds the exit from inside a structure through triangles that face the vertex. Returns the contact's weight, 0..1. */
 static float face_out(const smr_box_tree *f, const float *normal, smr_query q, smr_side *side)
 {
     const float nearest = -side->mm;
@@ -180,11 +163,10 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
 /* A point of a structure's surface that is tested for contact. */
 typedef struct probe {
     smr_vec at, inward; /* position, mm; unit vector against the normal */
-    uint32_t owner;
+    uint32_t owner;     /* the structure */
 } probe;
 
-/* The signed distance of a point to one body. Returns the contact's weight, 0..1; -1: the body is farther than
- * reach. */
+/* Finds the signed distance of a point to a body. Returns the contact's weight, 0..1; -1: body beyond `reach`. */
 static float side_of(const smr_contact *c, const probe *p, uint32_t body, float reach, smr_side *side)
 {
     smr_vec shift;
@@ -197,12 +179,12 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
-    if (side->mm < 0.0f) /* the shortest exit is valid where the nearest triangle faces the vertex */
+    if (side->mm < 0.0f) /* the shortest exit counts where the nearest triangle faces the vertex */
         return smr_dot(smr_get3(f->normal, side->triangle), q.normal) > 0.0f ? 1.0f : face_out(f, normal, q, side);
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
 
-/* Keeps the n deepest contacts, in the order of the bodies. */
+/* Adds a contact to the n deepest ones, which are kept in the order of the bodies. */
 static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
 {
     uint32_t shallow = 0, used = 0;
@@ -220,8 +202,7 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
     touch[n - 1u] = *more;
 }
 
-/* Tests all bodies within reach of a point and keeps its n deepest contacts. Returns the new lower bound on the
- * distance. */
+/* Tests all bodies within `reach` of a point and keeps its n deepest contacts. Returns the new distance bound, mm. */
 static float look(const smr_contact *c, const probe *p, float reach, smr_touch *touch, uint32_t n)
 {
     const float thick = c->shared->config.contact.gap_mm, zone = thick + SMR_CONTACT_BAND;
@@ -240,8 +221,8 @@ static float look(const smr_contact *c, const probe *p, float reach, smr_touch *
         const float share = counts * ramp(side.mm, zone, zone - 0.5f * SMR_CONTACT_BAND);
         if (!(share > 0.0f))
             continue;
-        smr_touch more = {body,      side.triangle, {side.weight[0], side.weight[1], side.weight[2]},
-                          {0, 0, 0}, side.mm,       share};
+        smr_touch more = {.body = body, .triangle = side.triangle, .mm = side.mm, .share = share};
+        memcpy(more.weight, side.weight, sizeof more.weight);
         smr_store(more.out, side.out);
         keep(touch, n, &more);
     }
@@ -250,7 +231,7 @@ static float look(const smr_contact *c, const probe *p, float reach, smr_touch *
 
 void smr_contact_find(smr_contact *c, uint32_t v)
 {
-    /* after an abandoned iteration the last displacement is unknown: a replay does not know it either */
+    /* a replay does not know the last displacement after an abandoned iteration, when bounds are unknown */
     const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
     smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
@@ -260,14 +241,14 @@ void smr_contact_find(smr_contact *c, uint32_t v)
     c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
     if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
         return;
-    /* -bound: largest possible depth inside a structure now, mm */
+    /* -bound is the largest possible depth inside a structure now, mm */
     const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
     const probe p = {smr_get3(c->shape->x, v), smr_scale(smr_get3(c->shape->normal, v), -1.0f),
                      smr_model_owner(c->shared->model, v)};
     c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), touch, SMR_TOUCHES);
 }
 
-/* Returns 1 when the distance bounds of a triangle's corners exclude any contact of its centre. */
+/* Returns 1 when the distance bounds of a triangle's corners exclude a contact of its centre. */
 static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
 {
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
@@ -289,7 +270,8 @@ void smr_contact_find_triangle(smr_contact *c, uint32_t k)
         (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, &c->triangle_touch[k], 1);
 }
 
-const uint32_t *smr_touch_corners(const smr_contact *c, const smr_touch *touch)
+/* The stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
+static const uint32_t *corners_of(const smr_contact *c, const smr_touch *touch)
 {
     if (touch->body >= c->shared->n_structures)
         return NULL;
@@ -303,7 +285,7 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
     const float mass = smr_mass(c->shared, v);
     smr_vec displacement = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < SMR_TOUCHES && touch[i].body != SMR_NONE; i++) {
-        const uint32_t *t = smr_touch_corners(c, &touch[i]);
+        const uint32_t *t = corners_of(c, &touch[i]);
         smr_vec other = smr_v(0, 0, 0);
         float heavy = 0.0f;
         for (uint32_t k = 0; t != NULL && k < 3u; k++) {
@@ -317,4 +299,97 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
             smr_add(displacement, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
     }
     return displacement;
+}
+
+/* ---- projection ---- */
+
+static uint32_t triangle_tasks(const smr_contact *c)
+{
+    return c->triangles_due ? smr_ceil_div(c->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
+}
+
+uint32_t smr_contact_project_tasks(const void *arg)
+{
+    const smr_contact *c = arg;
+    if (!smr_contact_on(c) || !smr_at_last_radius(c->shared, c->schedule))
+        return 0;
+    return SMR_PROJECT_PASSES * (smr_active_tasks(c->schedule) + triangle_tasks(c));
+}
+
+/* A point of a surface: a vertex, or a point of a triangle. */
+typedef struct place {
+    uint32_t n, vertex[3]; /* number of vertices, and the vertices; n is 0 for a surface that does not move */
+    float weight[3];       /* barycentric weights */
+} place;
+
+/* The displacement of a point in this iteration along `out`, mm. Adds the point's inverse mass to *sum. */
+static float displacement_along(const smr_contact *c, const place *p, smr_vec out, float *sum)
+{
+    float displacement = 0.0f;
+    for (uint32_t k = 0; k < p->n; k++) {
+        const uint32_t v = p->vertex[k];
+        const smr_vec step = smr_sub(smr_get3(c->shape->x_next, v), smr_get3(c->shape->x, v));
+        displacement += p->weight[k] * smr_dot(out, step);
+        *sum += p->weight[k] * p->weight[k] / smr_mass(c->shared, v);
+    }
+    return displacement;
+}
+
+static void move(const smr_contact *c, const place *p, smr_vec out, float mm)
+{
+    for (uint32_t k = 0; k < p->n; k++) {
+        float *x = smr_at3(c->shape->x_next, p->vertex[k]);
+        const float share = p->weight[k] / smr_mass(c->shared, p->vertex[k]);
+        smr_store(x, smr_add(smr_load(x), smr_scale(out, mm * share)));
+    }
+}
+
+/* Moves a point and the touched body apart along the contact's normal. */
+static void separate(const smr_contact *c, const place *p, const smr_touch *touch)
+{
+    const uint32_t *t = corners_of(c, touch);
+    const smr_vec out = smr_load(touch->out);
+    place other = {t != NULL ? 3u : 0u, {0, 0, 0}, {touch->weight[0], touch->weight[1], touch->weight[2]}};
+    float sum = 0.0f;
+    if (t != NULL)
+        memcpy(other.vertex, t, sizeof other.vertex);
+    const float apart = displacement_along(c, p, out, &sum) - displacement_along(c, &other, out, &sum);
+    const float missing = c->shared->config.contact.gap_mm - touch->mm - apart;
+    if (!(missing > 0.0f && sum > 0.0f))
+        return;
+    const float displacement = missing * touch->share * c->shared->config.contact.share / sum;
+    move(c, p, out, displacement);
+    move(c, &other, out, -displacement);
+}
+
+static void separate_vertices(const smr_contact *c, uint32_t chunk)
+{
+    for (uint32_t v = chunk * SMR_CHUNK; v < smr_active_end(c->schedule, chunk); v++) {
+        const smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
+        const place p = {1, {v, 0, 0}, {1, 0, 0}};
+        for (uint32_t i = 0; i < SMR_TOUCHES && touch[i].body != SMR_NONE; i++)
+            separate(c, &p, &touch[i]);
+    }
+}
+
+static void separate_triangles(const smr_contact *c, uint32_t chunk)
+{
+    const uint32_t last = smr_min_u32((chunk + 1u) * SMR_TRIANGLE_CHUNK, c->shared->n_triangles);
+    for (uint32_t k = chunk * SMR_TRIANGLE_CHUNK; k < last; k++) {
+        const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
+        const place p = {3, {t[0], t[1], t[2]}, {1.0f / 3.0f, 1.0f / 3.0f, 1.0f / 3.0f}};
+        if (c->triangle_touch[k].body != SMR_NONE)
+            separate(c, &p, &c->triangle_touch[k]);
+    }
+}
+
+void smr_contact_project(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_contact *c = arg;
+    const uint32_t n = triangle_tasks(c), chunk = task % (n + smr_active_tasks(c->schedule));
+    (void)worker;
+    if (chunk < n)
+        separate_triangles(c, chunk);
+    else
+        separate_vertices(c, chunk - n);
 }

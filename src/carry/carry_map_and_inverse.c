@@ -1,6 +1,5 @@
-/* carry_point_map.c: the map and its inverse at points that are not bound. Forward, the equations are solved for the
- * vertices' displacements, which also gives the gradient. Inverse, damped Newton steps start from the rest positions
- * of vertices that are near now.
+/* carry_map_and_inverse.c: the map and its inverse at points that are not bound. The map solves the equations for the
+ * vertices' residuals, which also gives the gradient. The inverse takes damped Newton steps from near vertices.
  * Bounds: SMR_CARRY_STARTS starts of SMR_CARRY_ROUNDS steps, each halved at most SMR_CARRY_HALVINGS times; each
  * evaluation is one search and one factor.
  * SPDX-License-Identifier: MIT */
@@ -9,41 +8,42 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 
-#define SMR_CARRY_STARTS 4u
-#define SMR_CARRY_ROUNDS 30u
-#define SMR_CARRY_HALVINGS 6u
+#define SMR_CARRY_STARTS 4u    /* vertices from which the inverse starts */
+#define SMR_CARRY_ROUNDS 30u   /* most Newton steps from a start */
+#define SMR_CARRY_HALVINGS 6u  /* most halvings of a step */
 #define SMR_CARRY_MET 2.0e-4f  /* mm: tolerance of the inverse, near the rounding of a coordinate */
 #define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant with which a step is computed */
 
+/* Points being mapped. */
 typedef struct job {
     smr_carry *c;
-    const float *now;
-    smr_pose trend;
-    const float *xyz;
-    uint32_t n, inverse;
-    float *out;
-    smr_carry_fact *facts;
+    const float *now;      /* [n_vertices][3] present positions in the caller's order, mm */
+    smr_pose trend;        /* the similarity T */
+    const float *xyz;      /* [n][3] points, mm */
+    uint32_t n, inverse;   /* number of points; 1: the inverse is computed */
+    float *out;            /* [n][3] mapped points, mm */
+    smr_carry_fact *facts; /* [n]; NULL: not wanted */
 } job;
 
-/* What the map gives at a point p, mm from the centre: the position F(p), mm, and the gradient dF/dp, row-major. */
+/* The map at a point p. */
 typedef struct value {
-    smr_vec at;
-    float gradient[9];
+    smr_vec at;        /* F(p), mm */
+    float gradient[9]; /* dF/dp, row-major */
 } value;
 
 /* The residual of a vertex after the trend T, mm. */
-static smr_vec displacement(const job *j, uint32_t id)
+static smr_vec residual(const job *j, uint32_t id)
 {
     const smr_vec now = smr_get3(j->now, j->c->item[id]);
     return smr_sub(now, smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
-/* Computes the weights of the reduced equations. Returns the nearest vertex' displacement. */
+/* Computes weights: solves the equations for the vertices' residuals. Returns the nearest vertex' residual, mm. */
 static smr_vec weigh(const job *j, smr_carry_site *s)
 {
-    const smr_vec first = displacement(j, s->id[0]);
+    const smr_vec first = residual(j, s->id[0]);
     for (uint32_t i = 1; i < s->n; i++) {
-        const smr_vec w = smr_sub(displacement(j, s->id[i]), smr_scale(first, s->part[i]));
+        const smr_vec w = smr_sub(residual(j, s->id[i]), smr_scale(first, s->part[i]));
         s->weight[0][i] = w.x;
         s->weight[1][i] = w.y;
         s->weight[2][i] = w.z;
@@ -53,7 +53,7 @@ static smr_vec weigh(const job *j, smr_carry_site *s)
     return first;
 }
 
-/* The gradient of g of the distance to vertex i. */
+/* The gradient of g(|p - r|) at p, 1 / mm; r: rest position of the site's vertex i. */
 static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t i)
 {
     const smr_vec d = smr_sub(p, smr_carry_place(s, i));
@@ -63,15 +63,7 @@ static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uin
                                  SMR_CARRY_ROUGH * c->per_rough * c->per_rough * (rough * rough * rough)));
 }
 
-/* Adds the product v w^T to a matrix. */
-static void add_product(float m[9], smr_vec v, smr_vec w)
-{
-    const float a[3] = {v.x, v.y, v.z}, b[3] = {w.x, w.y, w.z};
-    for (uint32_t i = 0; i < 9u; i++)
-        m[i] += a[i / 3u] * b[i % 3u];
-}
-
-/* The map and its gradient at p. The gradient leaves out that noise variances change with p. */
+/* Computes the map and its gradient at p. The gradient leaves out that noise variances change with p. */
 static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
 {
     const smr_carry *c = j->c;
@@ -84,13 +76,13 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
     smr_vec moved = smr_sub(first, smr_scale(first, share));
     for (uint32_t i = 0; i < 9u; i++)
         v.gradient[i] = j->trend.m[i / 3u][i % 3u];
-    add_product(v.gradient, first, smr_scale(near, -1.0f / (1.0f + SMR_CARRY_ROUGH)));
+    smr_add_product(v.gradient, first, smr_scale(near, -1.0f / (1.0f + SMR_CARRY_ROUGH)));
     for (uint32_t i = 1; i < s->n; i++) {
         const smr_vec w = smr_v(s->weight[0][i], s->weight[1][i], s->weight[2][i]);
         moved = smr_add(moved, smr_scale(w, s->side[i]));
-        add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
+        smr_add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
     }
-    /* relative to the nearest vertex, so that it maps exactly to its present position */
+    /* the sum is relative to the nearest vertex, which maps exactly to its present position */
     const smr_vec rest = smr_sub(p, smr_carry_place(s, 0));
     v.at = smr_add(smr_get3(j->now, c->item[s->id[0]]), smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
     return v;
@@ -98,7 +90,7 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
 
 static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cross(smr_load(m + 3), smr_load(m + 6))); }
 
-/* m^-1 v; v itself where m is singular or mirrored. */
+/* Returns m^-1 v; v itself where m is singular or mirrored. */
 static smr_vec undo(const float m[9], smr_vec v)
 {
     const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
@@ -109,48 +101,39 @@ static smr_vec undo(const float m[9], smr_vec v)
                      1.0f / d);
 }
 
-/* The vertices of the thinnest selection that are nearest to q now, ascending along the curve. Returns their number. */
-static uint32_t starts(const job *j, smr_vec q, uint32_t id[SMR_CARRY_STARTS])
+/* Finds the SMR_CARRY_STARTS vertices of the thinnest selection that are nearest to q now. */
+static smr_carry_nearest starts(const job *j, smr_vec q)
 {
     const smr_carry_thin *t = &j->c->thin[j->c->n_densities - 1u];
-    float d2[SMR_CARRY_STARTS];
-    uint32_t n = 0;
+    smr_carry_nearest f = {.p = q, .most = SMR_CARRY_STARTS};
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t v = t->first + i * t->stride;
         const smr_vec d = smr_sub(smr_get3(j->now, j->c->item[v]), q);
-        const float far = smr_dot(d, d);
-        if (n == SMR_CARRY_STARTS && !(far < d2[n - 1u]))
-            continue;
-        uint32_t at = n < SMR_CARRY_STARTS ? n++ : n - 1u;
-        for (; at > 0u && d2[at - 1u] > far; at--) {
-            d2[at] = d2[at - 1u];
-            id[at] = id[at - 1u];
-        }
-        d2[at] = far;
-        id[at] = v;
+        if (f.n < f.most || smr_dot(d, d) < f.d2[f.n - 1u])
+            smr_carry_insert(&f, v, smr_dot(d, d));
     }
-    return n;
+    return f;
 }
 
-/* The best position so far. */
+/* A candidate of the inverse. */
 typedef struct found {
-    smr_vec p;
-    value v;
-    float miss; /* distance of its image from the wanted point, mm */
+    smr_vec p;  /* position, mm from the centre */
+    value v;    /* the map at p */
+    float miss; /* distance from F(p) to the wanted point, mm */
 } found;
 
+/* Evaluates the map at p; q: the wanted point, mm. */
 static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)
 {
+    const float most = 4.0f * SMR_COORD_MAX;
     found f;
-    p = smr_v(smr_clamp(p.x, -4.0f * SMR_COORD_MAX, 4.0f * SMR_COORD_MAX),
-              smr_clamp(p.y, -4.0f * SMR_COORD_MAX, 4.0f * SMR_COORD_MAX),
-              smr_clamp(p.z, -4.0f * SMR_COORD_MAX, 4.0f * SMR_COORD_MAX));
-    f.p = p;
-    f.v = evaluate(j, s, p);
+    f.p = smr_v(smr_clamp(p.x, -most, most), smr_clamp(p.y, -most, most), smr_clamp(p.z, -most, most));
+    f.v = evaluate(j, s, f.p);
     f.miss = smr_length(smr_sub(f.v.at, q));
     return f;
 }
 
+/* Improves a candidate by damped Newton steps. */
 static void descend(const job *j, smr_carry_site *s, smr_vec q, found *best)
 {
     for (uint32_t round = 0; round < SMR_CARRY_ROUNDS && best->miss > SMR_CARRY_MET; round++) {
@@ -168,15 +151,14 @@ static void descend(const job *j, smr_carry_site *s, smr_vec q, found *best)
 
 static found invert(const job *j, smr_carry_site *s, smr_vec q)
 {
-    uint32_t id[SMR_CARRY_STARTS];
-    const uint32_t n = starts(j, q, id);
+    const smr_carry_nearest start = starts(j, q);
     found best = {smr_v(0, 0, 0), {smr_v(0, 0, 0), {0}}, SMR_FAR};
-    for (uint32_t i = 0; i < n && best.miss > SMR_CARRY_MET; i++) {
-        const smr_vec off = smr_sub(q, smr_get3(j->now, j->c->item[id[i]]));
+    for (uint32_t i = 0; i < start.n && best.miss > SMR_CARRY_MET; i++) {
+        const smr_vec off = smr_sub(q, smr_get3(j->now, j->c->item[start.id[i]]));
         float linear[9];
         for (uint32_t k = 0; k < 9u; k++)
             linear[k] = j->trend.m[k / 3u][k % 3u];
-        found f = look(j, s, smr_add(smr_get3(j->c->rest, id[i]), undo(linear, off)), q);
+        found f = look(j, s, smr_add(smr_get3(j->c->rest, start.id[i]), undo(linear, off)), q);
         descend(j, s, q, &f);
         if (f.miss < best.miss)
             best = f;
@@ -191,11 +173,7 @@ static void run_map(void *arg, uint32_t task, uint32_t worker)
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->n, first + SMR_CARRY_CHUNK);
     for (uint32_t i = first; i < end && s != NULL; i++) {
         const smr_vec p = smr_get3(j->xyz, i);
-        found f;
-        if (j->inverse)
-            f = invert(j, s, p);
-        else
-            f = look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
+        const found f = j->inverse ? invert(j, s, p) : look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
         smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
         if (j->facts == NULL)
             continue;

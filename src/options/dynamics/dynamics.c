@@ -1,26 +1,59 @@
-/* dynamics_time_steps.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step
- * minimises
+/* dynamics.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step minimises
  *   Sum_j M_j / 2 h^2 |x_j - y_j|^2 + k / 2 Sum_i Sum_(j in zeta_i) m_j |x_j - T_i x^r_j|^2,  y = x + h v + h^2 g,
  * over x and the clusters' rigid transforms T_i in turn (incremental potential; Martin et al. 2011): for fixed x the
- * T_i are the match, for fixed T_i each vertex moves to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal
- * (local and global steps; Liu et al. 2013, Bouaziz et al. 2014; shape matching, Mueller et al. 2005). One turn is a
- * sweep, which is an iteration; SMR_SWEEPS of them are a step, after which v = (x - x before) / h, reduced by
- * damping.
- * The fits' weights are m_j = M_j / |zeta_j|. A sweep then is a polynomial of one operator, self-adjoint in the
- * masses M and between 0 and 1. It conserves linear and angular momentum, and for any number of sweeps and any
- * stiffness the step is one of implicit Euler with softer springs, whose energy does not grow.
+ * T_i are the match, for fixed T_i each vertex moves to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal (local
+ * and global steps; Liu et al. 2013, Bouaziz et al. 2014; shape matching, Mueller et al. 2005). Both are a sweep, which
+ * is an iteration. SMR_SWEEPS sweeps are a time step, after which v = (x - x before) / h, reduced by damping.
+ * The fits' weights are m_j = M_j / |zeta_j|. A sweep then is a polynomial of one operator, self-adjoint in the masses
+ * M and between 0 and 1. It conserves linear and angular momentum, and for any number of sweeps and any stiffness the
+ * step is one of implicit Euler with softer springs, whose energy does not grow.
  * Bounds: a step ends with passes over the vertices in tasks; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
 #include "registration/schedule_radius.h"
 
 #define SMR_WEIGHT_UNIT 32.0f     /* units of a weight 1: rounding changes a mass by at most 1.6 % */
-#define SMR_WEIGHTS_SUM 262144.0f /* most units of a cluster; more would make its centre inexact */
+#define SMR_WEIGHTS_SUM 262144.0f /* most units of all weights in a cluster: more would make its centre inexact */
 #define SMR_WEIGHT_MOST 1024.0f   /* largest weight of a vertex over the mean */
 #define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
 #define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices of a cluster together, over the cluster's mass */
 
-/* Marks the vertices of SMR_WORDS structures from `first` on: each structure has its own word. */
+void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    smr_dynamics none = {0}, *d = &none;
+    if (!shared->config.dynamics.mode)
+        return;
+    *dynamics = smr_slot_scratch(a, *dynamics, 1, sizeof **dynamics);
+    if (*dynamics != NULL)
+        d = *dynamics;
+    d->begin = smr_slot_floats(a, d->begin, 3u * n, SMR_KEPT_MM);
+    d->velocity = smr_slot_floats(a, d->velocity, 3u * n, SMR_SPEED_MOST);
+    d->mass = smr_slot_floats(a, d->mass, n, SMR_MASS_MOST);
+    d->members = smr_slot_scratch(a, d->members, n, sizeof(float));
+    d->group = smr_slot_scratch(a, d->group, shared->n_structures, sizeof *d->group);
+    d->sums = smr_slot_scratch(a, d->sums, shared->n_structures, sizeof *d->sums);
+    d->bent = smr_slot_floats(a, d->bent, shared->n_structures, SMR_STORED_MOST);
+    d->spare = smr_slot_floats(a, d->spare, shared->n_structures, SMR_STORED_MOST);
+    d->weight = smr_slot_scratch(a, d->weight, n, sizeof(float));
+    smr_keep_floats(a, &d->stored.elastic, 1, 0.0f, SMR_STORED_MOST);
+    smr_keep_floats(a, &d->stored.goals, 1, 0.0f, SMR_STORED_MOST);
+    smr_keep_words(a, &d->weighed, 1, 1);
+}
+
+void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
+{
+    const smr_config *c = &shared->config;
+    d->shared = shared;
+    d->step_s = 0.001f * c->dynamics.step_ms;
+    d->springs = c->dynamics.elastic * d->step_s * d->step_s;
+    d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
+    d->fall = smr_scale(smr_load(c->dynamics.gravity), d->step_s * d->step_s);
+    for (uint32_t v = 0; v < shared->n; v++)
+        d->mass[v] = smr_mass(shared, v);
+}
+
+/* Writes records that mark the owners of vertices: each of SMR_WORDS structures from `first` on has its own word. */
 static void mark_owners(smr *s, uint32_t first)
 {
     uint32_t *const record = s->sums.record;
@@ -32,6 +65,7 @@ static void mark_owners(smr *s, uint32_t first)
     }
 }
 
+/* Joins the groups of structures a and b. */
 static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
 {
     const uint32_t first = smr_min_u32(group[a], group[b]), other = group[a] + group[b] - first;
@@ -66,12 +100,13 @@ static void count_members(smr *s)
         d->members[v] = smr_max(d->members[v], 1.0f);
 }
 
+/* The weight rounded to a multiple of 1 / unit, at most `most`. */
 static float rounded(float weight, float most, float unit)
 {
     return smr_whole_number(smr_clamp(weight, 1.0f / unit, most) * unit) / unit;
 }
 
-/* Mean of mass over members of the vertices that are not pinned, g. */
+/* The mean of mass over members of the vertices that are not pinned, g. Counts the pinned vertices. */
 static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
 {
     float sum = 0.0f;
@@ -83,8 +118,7 @@ static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
     return *n_pinned < n ? sum / (float)(n - *n_pinned) : 1.0f;
 }
 
-/* Computes weights from masses. A pinned vertex weighs more than the rest of its cluster, so that the cluster turns
- * about it. */
+/* Computes weights from masses. A pinned vertex weighs more than the rest of its cluster, which then turns about it. */
 void smr_time_steps_weigh(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
@@ -94,8 +128,8 @@ void smr_time_steps_weigh(smr *s)
     const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    /* no cluster has more pinned vertices */
-    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest);
+    const uint32_t together =
+        smr_min_u32(n_pinned, s->schedule.lists.largest); /* no cluster has more pinned vertices */
     const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
     d->gram = mean;
     c->mass_max = c->mass_sum = 0.0f;
@@ -139,7 +173,7 @@ void smr_time_steps_begin(smr *s)
 
 uint32_t smr_sweep_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
 
-/* The first sweep of a time step starts at y, each other one where the sweep before has ended. */
+/* Sets the positions at which a sweep starts: y in the first sweep of a time step, x in the others. */
 void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
 {
     const smr *s = arg;
@@ -149,7 +183,7 @@ void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
         smr_put3(s->shape.from, v, first ? smr_dynamics_free(s->shape.dynamics, v) : smr_get3(s->shape.x, v));
 }
 
-/* Where the springs to the clusters' average and to its goal take a vertex; evolve has left the average in x_next. */
+/* Moves vertices by the springs to their average, which evolve has left in x_next, and to their goals. */
 void smr_sweep_end(void *arg, uint32_t task, uint32_t worker)
 {
     const smr *s = arg;

@@ -1,0 +1,178 @@
+/* align_closest_points.c: pairs of closest points in both directions under a pose, and refinement by them: iterative
+ * closest point (ICP, Besl and McKay 1992, with agreeing normals). Outlier pairs lose their weight (Tukey's); the limit
+ * follows from the distances.
+ * Bounds: 2 * samples searches for the pairs; a quantile is 4 passes over a side's samples.
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align.h"
+
+#define SMR_AGREE 0.1f   /* least cosine between the normals of a pair */
+#define SMR_MOSTLY 0.4f  /* share of a side's samples that is assumed to match */
+#define SMR_LIMIT 5.7f   /* outlier limit over that share's distance: three deviations of half-normal distances */
+#define SMR_LEAST 0.045f /* smallest outlier limit over the smaller spread: less would keep a slightly wrong pose */
+#define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
+#define SMR_STEADY 16u        /* rounds before a refinement may end early: the end depends on rounding */
+#define SMR_STAGNANT 0.9995f  /* a round that leaves more than this share of the mean square distance is the last */
+
+/* Its file calls it once: from two calls a compiler makes a vector of divisions, whose unused lanes trap on 0 / 0. */
+smr_pose smr_pose_invert(const smr_pose *p)
+{
+    const float s2 = p->m[0][0] * p->m[0][0] + p->m[1][0] * p->m[1][0] + p->m[2][0] * p->m[2][0];
+    const float inverse = 1.0f / s2;
+    smr_pose q;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            q.m[r][c] = p->m[c][r] * inverse;
+    smr_pose_through(&q, smr_column(p, 3), smr_v(0, 0, 0));
+    return q;
+}
+
+/* Finds the closest points of one side's samples on the other side. scale: of the pose from model to target. */
+static void find(const smr_align_side *from, const smr_align_side *to, const smr_pose *pose, uint32_t samples,
+                 float scale, float far2)
+{
+    const float sign = to->outward, min_cos = from->bare || to->bare ? -2.0f : SMR_AGREE;
+    for (uint32_t k = 0; k < samples; k++) {
+        const uint32_t i = smr_sample(from, k, samples);
+        smr_pair *const pair = &from->pair[k];
+        const smr_query q = {smr_pose_apply(pose, from->point[i]),
+                             smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), min_cos, UINT32_MAX,
+                             pair->triangle};
+        smr_hit hit = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
+        smr_surface_search(to->surface, &q, &hit);
+        pair->triangle = hit.triangle;
+        pair->d2 = hit.d2 * scale * scale;
+        pair->border = 0;
+        if (hit.triangle == SMR_NONE)
+            continue;
+        pair->at = smr_triangle_point(&to->surface->tree, hit.triangle, hit.weight);
+        pair->border = to->surface->open ? smr_surface_on_border(to->surface, hit.triangle, hit.weight) : 0u;
+    }
+}
+
+void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
+{
+    const smr_pose back = smr_pose_invert(pose);
+    a->used = samples;
+    find(&a->side[SMR_MODEL], &a->side[SMR_TARGET], pose, samples, 1.0f, a->far2);
+    find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2);
+}
+
+/* The quantile of a side's squared distances, mm^2; found byte by byte, since bits of floats >= 0 sort as floats. */
+static float quantile(const smr_aligner *a, uint32_t side, float share)
+{
+    uint32_t rank = smr_min_u32((uint32_t)(share * (float)a->used), a->used - 1u), found = 0, mask = 0;
+    float d2;
+    for (uint32_t i = 0; i < a->used; i++)
+        memcpy(&a->order[i], &a->side[side].pair[i].d2, sizeof *a->order);
+    for (uint32_t shift = 24u; shift < 32u; shift -= 8u) {
+        uint32_t count[256] = {0}, byte = 0;
+        for (uint32_t i = 0; i < a->used; i++)
+            if ((a->order[i] & mask) == found)
+                count[a->order[i] >> shift & 255u]++;
+        for (; rank >= count[byte]; byte++)
+            rank -= count[byte];
+        found |= byte << shift;
+        mask |= 255u << shift;
+    }
+    memcpy(&d2, &found, sizeof d2);
+    return d2;
+}
+
+float smr_pairs_limit(const smr_aligner *a)
+{
+    const float d2 = smr_min(quantile(a, SMR_MODEL, SMR_MOSTLY), quantile(a, SMR_TARGET, SMR_MOSTLY));
+    return smr_max(SMR_LIMIT * SMR_SQRT(d2), SMR_LEAST * smr_aligner_spread(a));
+}
+
+float smr_pairs_share(const smr_aligner *a, uint32_t side, float limit)
+{
+    const smr_align_side *s = &a->side[side];
+    float near = 0.0f, all = 1.0e-6f;
+    for (uint32_t k = 0; k < a->used; k++) {
+        const float weight = s->weight[smr_sample(s, k, a->used)];
+        near += s->pair[k].d2 < limit * limit ? weight : 0.0f;
+        all += weight;
+    }
+    return near / all;
+}
+
+float smr_pairs_cost(const smr_aligner *a)
+{
+    const float most = a->limit * a->limit;
+    float cost[SMR_SIDES];
+    for (uint32_t side = 0; side < SMR_SIDES; side++) {
+        const smr_align_side *s = &a->side[side];
+        float sum = 0.0f, all = 1.0e-6f;
+        for (uint32_t k = 0; k < a->used; k++) {
+            const float weight = s->weight[smr_sample(s, k, a->used)];
+            sum += weight * smr_min(s->pair[k].d2, most);
+            all += weight;
+        }
+        cost[side] = sum / (all * most);
+    }
+    return smr_cost_of_sides(cost[SMR_MODEL], cost[SMR_TARGET]);
+}
+
+float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES])
+{
+    float sum = 0.0f, all = 1.0e-6f;
+    for (uint32_t side = 0; side < SMR_SIDES; side++) {
+        const smr_align_side *s = &a->side[side];
+        const float most = quantile(a, side, share[side]);
+        for (uint32_t k = 0; k < a->used; k++) {
+            const float d2 = s->pair[k].d2, weight = d2 <= most ? s->weight[smr_sample(s, k, a->used)] : 0.0f;
+            sum += weight * d2;
+            all += weight;
+        }
+    }
+    return SMR_SQRT(sum / all);
+}
+
+/* Adds a side's pairs, the model's point first, to the fit. Returns the weighted sum of squared distances, mm^2. */
+static float collect(const smr_aligner *a, uint32_t side, float limit, int mirrored, smr_fit *fit)
+{
+    const smr_align_side *from = &a->side[side];
+    const int trimmed = limit < SMR_UNTRIMMED;
+    const float inverse = trimmed ? 1.0f / (limit * limit) : 0.0f;
+    float sum = 0.0f;
+    for (uint32_t k = 0; k < a->used; k++) {
+        const smr_pair *pair = &from->pair[k];
+        const uint32_t i = smr_sample(from, k, a->used);
+        const float left = 1.0f - pair->d2 * inverse, weight = trimmed ? from->weight[i] : 1.0f;
+        sum += weight * (trimmed ? smr_min(pair->d2, limit * limit) : pair->d2);
+        if (pair->triangle == SMR_NONE || !(left * weight > 0.0f) || (trimmed && pair->border))
+            continue;
+        smr_vec x = side == SMR_MODEL ? from->point[i] : pair->at;
+        if (mirrored)
+            x.x = -x.x;
+        smr_fit_add(fit, x, side == SMR_MODEL ? pair->at : from->point[i], left * left * weight);
+    }
+    return sum;
+}
+
+int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t how, smr_pose *pose)
+{
+    const int mirrored = smr_pose_mirrors(pose), scaled = (how & SMR_REFINE_SCALED) != 0u;
+    float last = FLT_MAX;
+    for (uint32_t i = 0; i < rounds; i++) {
+        smr_fit fit;
+        smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
+        smr_pairs_find(a, pose, samples);
+        const float limit = how & SMR_REFINE_TRIMMED ? smr_pairs_limit(a) : SMR_UNTRIMMED;
+        float mean = collect(a, SMR_MODEL, limit, mirrored, &fit);
+        mean += collect(a, SMR_TARGET, limit, mirrored, &fit);
+        if (!(fit.weight >= 3.0f))
+            return 0;
+        if (i >= SMR_STEADY && mean > last * SMR_STAGNANT)
+            return 1;
+        last = smr_min(last, mean);
+        smr_pose next = smr_fit_solve(&fit, scaled);
+        const float size = smr_pose_scale(&next);
+        if (!(size > 0.1f && size < 10.0f))
+            return 0;                                 /* the scale collapses onto a small area of the target */
+        for (uint32_t r = 0; r < 3u && mirrored; r++) /* the mirrored model's pose becomes one of the model itself */
+            next.m[r][0] = -next.m[r][0];
+        *pose = next;
+    }
+    return 1;
+}

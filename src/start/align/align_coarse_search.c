@@ -1,0 +1,213 @@
+/* align_coarse_search.c: the coarse search of start poses. Method: 192 rotations between the principal axes (those of a
+ * cube, each also after 45 degrees about an axis and 60 about a diagonal) times 7 translations: centroid onto centroid,
+ * and for each axis of the target the lower or the upper ends onto each other, without the part beyond the shorter
+ * surface. Parts of a surface have other axes and centroids than the whole, but often share an end. In the cost of a
+ * pose each sample takes its best partner. The squared distance of a pair has full weight across the target's surface
+ * and less along it, since samples are not opposite each other; differing normals add to it.
+ * Bounds: 192 * 7 poses of SMR_COARSE squared pairs.
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align.h"
+#include "geometry/rotation/rotation.h"
+
+#define SMR_COARSE_LANES 8u    /* pairs that a vectorised loop computes together */
+#define SMR_COARSE_LIMIT 0.15f /* matching limit over the smaller spread: a little more than the spacing of samples */
+#define SMR_ALONG 0.3f         /* weight of the squared distance along the surface */
+#define SMR_CUBE 24u           /* rotations of a cube */
+#define SMR_TURNS 8u           /* further rotations, each after all rotations of the cube */
+#define SMR_EDGE 0.785398163f  /* rad: 45 degrees */
+#define SMR_DIAG 0.604599788f  /* rad: 60 degrees about (1, 1, 1), along each axis */
+#define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's end over its length: rounding must not decide */
+
+void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
+{
+    c->faced = a->side[SMR_TARGET].bare || a->side[SMR_MODEL].bare ? 0.0f : 1.0f;
+    c->limit = SMR_COARSE_LIMIT * smr_aligner_spread(a);
+    for (uint32_t side = 0; side < SMR_SIDES; side++) {
+        float all = 1.0e-6f;
+        for (uint32_t k = 0; k < SMR_COARSE; k++) {
+            const uint32_t i = smr_sample(&a->side[side], k, SMR_COARSE);
+            float v[6];
+            smr_store(v, a->side[side].point[i]);
+            smr_store(v + 3, a->side[side].normal[i]);
+            for (uint32_t j = 0; j < 6u; j++)
+                c->x[side][j][k] = v[j];
+            c->weight[side][k] = a->side[side].weight[i];
+            all += c->weight[side][k];
+        }
+        for (uint32_t k = 0; k < SMR_COARSE; k++)
+            c->weight[side][k] /= all;
+    }
+}
+
+/* Sample i of a side, mm; the model's is rotated by the pose, but not translated. */
+static smr_vec coarse_point(const smr_coarse *c, uint32_t side, uint32_t i, const smr_pose *pose)
+{
+    const smr_vec p = smr_v(c->x[side][0][i], c->x[side][1][i], c->x[side][2][i]);
+    return side == SMR_MODEL ? smr_pose_turn(pose, p) : p;
+}
+
+/* Pairs a sample of the model, moved by the pose, with all samples of the target. best[]: smallest cost of each target
+ * sample so far, mm^2. Returns the model sample's cost, mm^2. Lanes let the loop vectorise. */
+static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR_COARSE])
+{
+    const float(*t)[SMR_COARSE] = c->x[SMR_TARGET];
+    const float bend = c->limit * c->limit, faced = c->faced, blind = 1.0f - faced;
+    float lane[SMR_COARSE_LANES], least = FLT_MAX;
+    for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
+        lane[k] = FLT_MAX;
+    for (uint32_t base = 0; base < SMR_COARSE; base += SMR_COARSE_LANES)
+        for (uint32_t k = 0; k < SMR_COARSE_LANES; k++) {
+            const uint32_t i = base + k;
+            const float x = p[0] - t[0][i], y = p[1] - t[1][i], z = p[2] - t[2][i];
+            const float across = x * t[3][i] + y * t[4][i] + z * t[5][i];
+            const float cosine = p[3] * t[3][i] + p[4] * t[4][i] + p[5] * t[5][i];
+            const float d2 = x * x + y * y + z * z;
+            const float cost = SMR_ALONG * d2 + (1.0f - SMR_ALONG) * across * across + bend * (faced - cosine) +
+                               blind * (1.0f - SMR_ALONG) * d2;
+            lane[k] = cost < lane[k] ? cost : lane[k];
+            best[i] = cost < best[i] ? cost : best[i];
+        }
+    for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
+        least = smr_min(least, lane[k]);
+    return least;
+}
+
+/* The cost of a pose, as smr_pairs_cost(). */
+static float coarse_cost(const smr_coarse *c, const smr_pose *pose)
+{
+    const float(*m)[SMR_COARSE] = c->x[SMR_MODEL];
+    const float most = c->limit * c->limit, unit = 1.0f / smr_pose_scale(pose);
+    float best[SMR_COARSE], sum[SMR_SIDES] = {0.0f, 0.0f};
+    for (uint32_t i = 0; i < SMR_COARSE; i++)
+        best[i] = most;
+    for (uint32_t i = 0; i < SMR_COARSE; i++) {
+        float p[6];
+        smr_store(p, smr_pose_apply(pose, smr_v(m[0][i], m[1][i], m[2][i])));
+        smr_store(p + 3, smr_scale(smr_pose_turn(pose, smr_v(m[3][i], m[4][i], m[5][i])), unit));
+        sum[SMR_MODEL] += c->weight[SMR_MODEL][i] * smr_min(pair_with_all(c, p, best), most);
+    }
+    for (uint32_t i = 0; i < SMR_COARSE; i++)
+        sum[SMR_TARGET] += c->weight[SMR_TARGET][i] * best[i];
+    return smr_cost_of_sides(sum[SMR_MODEL] / most, sum[SMR_TARGET] / most);
+}
+
+/* The k-th of the 24 rotations of a cube: axis permutations with signs whose determinant is 1. */
+static void cube_rotation(uint32_t k, float g[9])
+{
+    static const unsigned char permutation[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    const unsigned char *p = permutation[k / 4u];
+    const float odd = k / 4u >= 3u ? -1.0f : 1.0f;
+    const float a = k & 1u ? -1.0f : 1.0f, b = k & 2u ? -1.0f : 1.0f;
+    memset(g, 0, 9u * sizeof *g);
+    g[p[0]] = a;
+    g[3 + p[1]] = b;
+    g[6 + p[2]] = a * b * odd;
+}
+
+/* Computes the matrix product out = a b. */
+static void multiply(const float a[9], const float b[9], float out[9])
+{
+    for (uint32_t i = 0; i < 9u; i++) {
+        const float *row = a + i / 3u * 3u, *column = b + i % 3u;
+        out[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
+    }
+}
+
+/* The k-th rotation of the search, B C T A^T: A and B are the axes of model and target, C a cube's rotation, T the
+ * further rotation, which for the mirror image also reflects the model's longest axis. */
+static void set_rotation(const smr_aligner *a, uint32_t k, float scale, int mirrored, smr_pose *pose)
+{
+    static const float turn[3][SMR_TURNS] = {
+        {0, SMR_EDGE, 0, 0, SMR_DIAG, -SMR_DIAG, SMR_DIAG, SMR_DIAG},
+        {0, 0, SMR_EDGE, 0, SMR_DIAG, SMR_DIAG, -SMR_DIAG, SMR_DIAG},
+        {0, 0, 0, SMR_EDGE, SMR_DIAG, SMR_DIAG, SMR_DIAG, -SMR_DIAG}}; /* x, y and z of rotation vectors */
+    const float *from = a->side[SMR_MODEL].axes;
+    const float back[9] = {from[0], from[3], from[6], from[1], from[4], from[7], from[2], from[5], from[8]};
+    float c[9], t[9], ct[9], bct[9], r[9];
+    cube_rotation(k % SMR_CUBE, c);
+    const uint32_t further = k / SMR_CUBE;
+    smr_rodrigues(smr_v(turn[0][further], turn[1][further], turn[2][further]), t); /* T - I */
+    for (uint32_t i = 0; i < 3u; i++) {
+        t[4u * i] += 1.0f;
+        t[3u * i] = mirrored ? -t[3u * i] : t[3u * i];
+    }
+    multiply(c, t, ct);
+    multiply(a->side[SMR_TARGET].axes, ct, bct);
+    multiply(bct, back, r);
+    for (uint32_t i = 0; i < 9u; i++)
+        pose->m[i / 3u][i % 3u] = r[i] * scale;
+}
+
+/* Finds both ends of a side's samples along a direction, mm. */
+static void find_ends(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float end[2])
+{
+    end[0] = FLT_MAX;
+    end[1] = -FLT_MAX;
+    for (uint32_t i = 0; i < SMR_COARSE; i++) {
+        const float at = smr_dot(coarse_point(c, side, i, pose), along);
+        end[0] = smr_min(end[0], at);
+        end[1] = smr_max(end[1], at);
+    }
+}
+
+/* The centroid of a side's samples between two positions along a direction, mm. */
+static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float lo,
+                              float hi)
+{
+    smr_vec sum = smr_v(0, 0, 0);
+    float n = 0.0f;
+    for (uint32_t i = 0; i < SMR_COARSE; i++) {
+        const smr_vec p = coarse_point(c, side, i, pose);
+        const float at = smr_dot(p, along);
+        if (at < lo || at > hi)
+            continue;
+        sum = smr_add(sum, p);
+        n += 1.0f;
+    }
+    return smr_scale(sum, 1.0f / smr_max(n, 1.0f));
+}
+
+/* Sets the pose's translation to the k-th of the search. */
+static void set_shift(const smr_aligner *a, const smr_coarse *c, uint32_t k, smr_pose *pose)
+{
+    const smr_align_side *target = &a->side[SMR_TARGET];
+    if (k == 0u) {
+        smr_pose_through(pose, a->side[SMR_MODEL].centre, target->centre);
+        return;
+    }
+    const uint32_t axis = (k - 1u) / 2u, end = (k - 1u) % 2u;
+    const smr_vec along = smr_v(target->axes[axis], target->axes[3u + axis], target->axes[6u + axis]);
+    float m[2], t[2];
+    find_ends(c, SMR_MODEL, pose, along, m);
+    find_ends(c, SMR_TARGET, pose, along, t);
+    const float by = t[end] - m[end], length = smr_min(m[1] - m[0], t[1] - t[0]), slack = SMR_END_SLACK * length;
+    const float lo = (end ? t[1] - length : t[0]) - slack, hi = (end ? t[1] : t[0] + length) + slack;
+    const smr_vec from = centre_between(c, SMR_MODEL, pose, along, lo - by, hi - by);
+    const smr_vec move = smr_sub(centre_between(c, SMR_TARGET, pose, along, lo, hi), from);
+    smr_pose_through(pose, smr_v(0, 0, 0), smr_add(move, smr_scale(along, by - smr_dot(move, along))));
+}
+
+void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
+                      smr_pose_list *found)
+{
+    for (uint32_t k = 0; k < SMR_CUBE * SMR_TURNS; k++) {
+        smr_pose pose, best[2];
+        float cost[2] = {FLT_MAX, FLT_MAX};
+        set_rotation(a, k, scale, mirrored, &pose);
+        for (uint32_t s = 0; s < n_shifts; s++) {
+            set_shift(a, c, s, &pose);
+            const float now = coarse_cost(c, &pose);
+            const uint32_t place = now < cost[0] ? 0u : 1u;
+            if (!(now < cost[place]))
+                continue;
+            if (place == 0u) {
+                cost[1] = cost[0];
+                best[1] = best[0];
+            }
+            cost[place] = now;
+            best[place] = pose;
+        }
+        for (uint32_t i = 0; i < 2u && cost[i] < FLT_MAX; i++)
+            smr_list_insert(found, &best[i], cost[i]);
+    }
+}

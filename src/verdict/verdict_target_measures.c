@@ -1,0 +1,253 @@
+/* verdict_target_measures.c: how a structure lies on its target. On a surface: distances in both directions, integrated
+ * over the area. On a cloud: residuals of points, coverage, agreement of normals. In an image: how well intensity
+ * profiles match in their places, compared with chance. By landmarks or the caller's goals: residuals.
+ * Bounds: a search for each vertex and triangle of a target surface; two for each point of a cloud and structure that
+ * shares it; SMR_LOOKED comparisons in an image; one pass over triangles and vertices.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "verdict/verdict_measures.h"
+
+#define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
+#define SMR_MEASURE_AGREE 0.0f  /* cosine between normals above which they agree */
+#define SMR_MEASURE_EDGES 1.0f  /* distance up to which the target is covered, in mean edge lengths of the model */
+#define SMR_MEASURE_TIMES 2.0f  /* the same distance over the mean residual; the larger one counts */
+#define SMR_LOOKED 400u         /* most compared vertices of a structure in an image, evenly spaced */
+
+int smr_vertex_visible(const smr *s, uint32_t v)
+{
+    const smr_surface_goals *g = &s->forces.surface;
+    const uint32_t owner = smr_model_owner(s->shared.model, v);
+    int32_t wins = 0;
+    uint32_t n = 0;
+    if (g->target[owner].surface != NULL && g->visibility != NULL && g->target[owner].n_judged > 0u)
+        return g->visibility[v] > SMR_VISIBLE_ONE / 2u;
+    if (g->target[owner].surface != NULL || !s->forces.image.has_image || !s->forces.image.structure[owner].idle ||
+        smr_field_of_past(&s->forces.occluded))
+        return s->forces.found_last[v] == SMR_FOUND_GOAL;
+    smr_image_compare(&s->forces.image, v, &wins, &n); /* goals are unknown after the search has ended */
+    return wins > 0;
+}
+
+/* Adds a structure's residual to the measures. Returns the distance up to which its target is covered, mm. */
+static float add_residual(const smr *s, smr_mean residual, smr_evidence *e)
+{
+    const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
+    e->residual.sum += residual.sum;
+    e->residual.weight += residual.weight;
+    return smr_max(SMR_MEASURE_EDGES * edge, SMR_MEASURE_TIMES * smr_mean_of(residual, 0.0f));
+}
+
+/* The share of a triangle's corners that are visible. */
+static float visible_part(const smr *s, const uint32_t *t)
+{
+    const int n = smr_vertex_visible(s, t[0]) + smr_vertex_visible(s, t[1]) + smr_vertex_visible(s, t[2]);
+    return (float)n * (1.0f / 3.0f);
+}
+
+/* The centre of a triangle with these corners. */
+static smr_vec centre_of(smr_corner_values v) { return smr_scale(smr_add(v.a, smr_add(v.b, v.c)), 1.0f / 3.0f); }
+
+/* Finds the point closest to q on the structures that share a target. Returns the structure; SMR_NONE: none. */
+static uint32_t closest(const smr *s, const smr_surface *target, const smr_query *q, smr_hit *hit)
+{
+    uint32_t found = SMR_NONE;
+    *hit = (smr_hit){SMR_FAR, SMR_NONE, {0, 0, 0}};
+    for (uint32_t i = 0; i < s->shared.n_structures; i++) {
+        const smr_box_tree *f = &s->shape.structure[i].tree;
+        const float before = hit->d2;
+        if (s->forces.surface.target[i].surface != target || f->n_triangles == 0u)
+            continue;
+        smr_tree_closest(f, q, hit);
+        found = hit->d2 < before ? i : found;
+    }
+    return found;
+}
+
+/* ---- surfaces ---- */
+
+/* Finds the distance of each vertex to the target surface, mm; SMR_FAR: none. Returns the visible vertices' mean. */
+static smr_mean find_distances(const smr *s, const smr_shape_structure *one, const smr_surface *target, float *distance)
+{
+    smr_mean residual = {0, 0};
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const smr_vec p = smr_add(smr_get3(s->shape.x, v), smr_sub(s->shape.origin, target->origin));
+        const smr_query q = {p, smr_get3(s->shape.normal, v), -2.0f, SMR_MEASURE_NODES, s->forces.surface.warm[v]};
+        smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
+        smr_surface_search(target, &q, &hit);
+        distance[v] = hit.triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
+        if (smr_vertex_visible(s, v) && distance[v] < SMR_FAR)
+            smr_mean_add(&residual, distance[v], 1.0f);
+    }
+    return residual;
+}
+
+/* Adds the visible share of the structure's area, and agreement of normals where the structure is near the target. */
+static void add_model(const smr *s, const smr_shape_structure *one, const smr_surface *target, const float *distance,
+                      float near, smr_evidence *e)
+{
+    const smr_vec shift = smr_sub(s->shape.origin, target->origin);
+    for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
+        const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
+        const smr_corner_values corner = smr_corners_of(s->shape.x, t);
+        const smr_vec normal = smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f);
+        const float area = smr_length(normal);
+        const float nearest = smr_min(smr_min(distance[t[0]], distance[t[1]]), distance[t[2]]);
+        smr_mean_add(&e->visible, visible_part(s, t), area);
+        if (nearest > near || !(area > 0.0f))
+            continue;
+        const smr_query q = {smr_add(centre_of(corner), shift), normal, -2.0f, SMR_MEASURE_NODES, SMR_NONE};
+        smr_hit hit = {4.0f * near * near, SMR_NONE, {0, 0, 0}};
+        smr_surface_search(target, &q, &hit);
+        if (hit.triangle != SMR_NONE)
+            smr_mean_add(&e->agree,
+                         smr_dot(smr_get3(target->tree.normal, hit.triangle), normal) > SMR_MEASURE_AGREE * area, area);
+    }
+}
+
+/* Adds the coverage of the target surface by the structures that share it. */
+static void add_target(const smr *s, const smr_surface *target, float near, smr_evidence *e)
+{
+    const smr_vec shift = smr_sub(target->origin, s->shape.origin);
+    for (uint32_t k = 0; k < target->tree.n_triangles; k++) {
+        const uint32_t *t = target->triangle + 3u * (size_t)k;
+        if (smr_surface_fragment(target, t[0]))
+            continue;
+        const smr_corner_values corner = smr_corners_of(target->xyz, t);
+        const float area = smr_length(smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f));
+        const smr_query q = {smr_add(centre_of(corner), shift), smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
+        smr_hit hit;
+        if (closest(s, target, &q, &hit) != SMR_NONE)
+            smr_mean_add(&e->covered, SMR_SQRT(hit.d2) <= near, area);
+    }
+}
+
+static void measure_surface(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    const smr_surface *target = s->forces.surface.target[structure].surface;
+    float *const distance = (float *)s->overlay.record; /* [n] distance to the target surface, mm */
+    const float near = add_residual(s, find_distances(s, one, target, distance), e);
+    add_model(s, one, target, distance, near, e);
+    if (s->shape.node != NULL)
+        add_target(s, target, near, e);
+}
+
+/* ---- clouds of points ---- */
+
+/* Finds the structure closest to point j of a cloud, of those that share the cloud; SMR_NONE: none, or no weight. */
+static uint32_t closest_to_point(const smr *s, const smr_surface *cloud, uint32_t j, smr_hit *hit)
+{
+    const smr_vec shift = smr_sub(cloud->origin, s->shape.origin);
+    const smr_query q = {smr_add(smr_get3(cloud->xyz, j), shift), smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
+    return cloud->area[j] > 0.0f ? closest(s, cloud, &q, hit) : SMR_NONE;
+}
+
+/* Adds coverage of the whole cloud by all structures, and agreement of normals on this structure. */
+static void add_points(const smr *s, uint32_t structure, const smr_surface *cloud, float near, smr_evidence *e)
+{
+    smr_hit hit;
+    for (uint32_t j = 0; j < cloud->n_vertices; j++) {
+        const uint32_t on = closest_to_point(s, cloud, j, &hit);
+        const smr_vec n = smr_get3(cloud->normal, j);
+        if (on == SMR_NONE)
+            continue;
+        smr_mean_add(&e->covered, hit.d2 <= near * near ? 1.0f : 0.0f, cloud->area[j]);
+        if (on != structure || hit.d2 > near * near || !(smr_dot(n, n) > 0.5f))
+            continue;
+        const smr_vec normal = smr_get3(s->shape.structure[on].tree.normal, hit.triangle);
+        smr_mean_add(&e->agree, smr_dot(n, normal) > SMR_MEASURE_AGREE ? 1.0f : 0.0f, cloud->area[j]);
+    }
+}
+
+static void measure_points(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_surface *cloud = s->forces.surface.target[structure].surface;
+    const smr_box_tree *f = &s->shape.structure[structure].tree;
+    smr_mean residual = {0, 0};
+    smr_hit hit;
+    for (uint32_t j = 0; j < cloud->n_vertices; j++)
+        if (closest_to_point(s, cloud, j, &hit) == structure)
+            smr_mean_add(&residual, SMR_SQRT(hit.d2), cloud->area[j]);
+    const float near = add_residual(s, residual, e);
+    for (uint32_t k = 0; k < f->n_triangles; k++) {
+        const uint32_t *t = f->triangle + 3u * (size_t)k;
+        smr_mean_add(&e->visible, visible_part(s, t), 0.5f * smr_length(smr_corners_cross(s->shape.x, t)));
+    }
+    add_points(s, structure, cloud, near, e);
+}
+
+/* ---- images, landmarks and the caller's goals ---- */
+
+static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    const uint32_t looked = smr_min_u32(one->n_vertices, SMR_LOOKED);
+    for (uint32_t k = 0; k < looked && !smr_field_of_past(&s->forces.occluded); k++) {
+        const uint32_t i = (uint32_t)((uint64_t)k * one->n_vertices / looked);
+        int32_t wins;
+        uint32_t n;
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        smr_image_compare(&s->forces.image, v, &wins, &n);
+        if (n > 0u)
+            smr_mean_add(&e->similarity, (float)wins / (float)n, (float)n);
+    }
+    if (!(e->similarity.weight > 0.0f) && !smr_field_of_past(&s->forces.occluded))
+        smr_mean_add(&e->similarity, 0.0f, 1.0f); /* no comparison counts as chance */
+    const float matched = smr_forces_matched(&s->forces, structure);
+    if (matched >= 0.0f) {
+        smr_mean_add(&e->goals, matched, (float)one->n_vertices);
+        smr_mean_add(&e->visible, matched, (float)one->n_vertices);
+    }
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        if (s->forces.found_last[v] == SMR_FOUND_GOAL)
+            smr_mean_add(&e->residual, s->forces.residual[v], 1.0f);
+    }
+}
+
+static void measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_landmark_goals *g = &s->forces.landmarks;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    uint32_t own = 0, visible = 0;
+    for (uint32_t k = 0; k < g->n; k++) {
+        if (smr_model_owner(s->shared.model, g->landmark[k].corner[0]) != structure)
+            continue;
+        const smr_vec foot = smr_landmark_foot(g, k, s->shape.x);
+        smr_mean_add(&e->residual, smr_length(smr_sub(smr_landmark_goal(g, k), foot)), 1.0f);
+        own++;
+    }
+    if (own == 0u)
+        return;
+    for (uint32_t i = 0; i < one->n_vertices; i++)
+        visible += (uint32_t)smr_vertex_visible(s, smr_model_position(s->shared.model, one->first_vertex + i));
+    smr_mean_add(&e->visible, (float)visible / (float)one->n_vertices, (float)one->n_vertices);
+}
+
+static void measure_caller(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const int visible = smr_vertex_visible(s, v);
+        smr_mean_add(&e->visible, (float)visible, 1.0f);
+        if (visible)
+            smr_mean_add(&e->residual, s->forces.residual[v], 1.0f);
+    }
+}
+
+void smr_measure_target(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_surface *target = s->forces.surface.target[structure].surface;
+    if (target != NULL && smr_is_cloud(target))
+        measure_points(s, structure, e);
+    else if (target != NULL)
+        measure_surface(s, structure, e);
+    else if (s->forces.image.has_image)
+        measure_image(s, structure, e);
+    else if (smr_follows_landmarks(s, structure))
+        measure_landmarks(s, structure, e);
+    else if (smr_caller_has_goals(&s->forces.caller, structure))
+        measure_caller(s, structure, e);
+}
