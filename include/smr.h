@@ -400,7 +400,7 @@ struct smr_prepare_config {
     /* 0 or 1, default 1. 1: vertices are stored in the order of importance (paper 2.2, complexity tuning), so a
      * registration can ignore the last vertices. 0: all vertices always take part. */
     uint32_t priority;
-    uint32_t block_vertices; /* vertices, 0 or [16, 65536], default 0: chosen. Vertices in a block of the forest */
+    uint32_t block_vertices; /* vertices, 0 or [16, 65536], default 0: by model size. Vertices in a task of sums */
     /* Pointers of the caller that smr_prepare() reads during the call; NULL by default. */
     const smr_volume *reference; /* image that fits the model; the source of intensity profiles */
     smr_progress progress;
@@ -1115,7 +1115,7 @@ typedef struct smr_log_record {
     smr_landmark landmark; /* landmark number `index` of `count`; count 0: the landmarks were removed */
     uint32_t index, count;
     float ratio;   /* ratio of smr_set_volume_ratio() */
-    uint32_t gave; /* SMR_LOG_FORCE, 1: the checksum covers the force's results in the next tick's iteration */
+    uint32_t gave; /* SMR_LOG_FORCE: 1: checksum of what the caller's force returned; 0: the force was set or removed */
     /* Fields of a recorded tick, from the tick's report. */
     uint32_t complete; /* 1: the tick completed an iteration, or the schedule had ended; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;

@@ -8,7 +8,7 @@
 
 typedef struct smr_arena {
     unsigned char *base;       /* start of the memory; NULL: slots are measured, not placed */
-    size_t capacity;           /* bytes at base */
+    size_t capacity;           /* size of the memory at base, bytes */
     size_t used;               /* bytes requested so far; SIZE_MAX after an overflow of size_t */
     struct smr_keeper *keeper; /* state of a save or restore, during which no slot is placed; NULL: slots are placed */
 } smr_arena;

@@ -7,7 +7,7 @@
 
 enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
 
-/* Begins count values of `size` bytes, of this kind and range. Returns 1 when they are to be processed one by one. */
+/* Begins `count` values of `size` bytes, this kind and this range. Returns 1 when they must be processed one by one. */
 static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
 {
     const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
@@ -74,7 +74,7 @@ static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
     }
 }
 
-/* Returns 1 when the pose's columns are equally long and at right angles, within the tolerance of cluster bounds. */
+/* Returns 1 when the pose's columns are about equally long and at right angles: the bounds of cluster sums need it. */
 static int is_similarity(const smr_pose *p)
 {
     const smr_vec a = smr_column(p, 0), b = smr_column(p, 1), c = smr_column(p, 2);

@@ -1,6 +1,6 @@
 /* save_fields.h: the slots of a registration, and which of their values are saved. A stage lists its slots once, in its
  * layout function: a slot is either scratch or has a range of legal values. The same lines measure and place slots
- * (arena.h), and count, save, check and restore values. Saved values are little-endian, without gaps, in that order.
+ * (arena.h), and count, save, check and restore values. Saved values are little-endian, without gaps, in layout order.
  * Bounds: one pass over each slot.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SAVE_FIELDS_H
@@ -19,7 +19,7 @@ enum {
 struct smr_keeper;
 
 /* Functions that process saved values. Only save and restore name this table, so a program that does neither links none
- * of them. field NULL: values are not stored. or_none: SMR_NONE is legal, too. */
+ * of them. field NULL: checked values are not stored. or_none: SMR_NONE is legal, too. */
 typedef struct smr_keep_calls {
     void (*words)(struct smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none);
     void (*floats)(struct smr_keeper *k, float *field, size_t count, float least, float most);
@@ -33,7 +33,7 @@ typedef struct smr_keeper {
     const smr_keep_calls *calls;
     void (*fields)(smr_arena *a, smr *s); /* lists the saved fields that lie beside the slots */
     uint32_t mode;                        /* SMR_KEEP_... */
-    uint32_t wrong;                       /* 1: a value was out of its range, or the bytes ended */
+    uint32_t wrong;                       /* 1: a value was out of its range, or the saved bytes ended too early */
     uint32_t plan;                        /* checksum of the counts, kinds and ranges of the values listed so far */
     unsigned char *to;                    /* [bytes] memory that a save writes */
     const unsigned char *from;            /* [bytes] memory that a check or restore reads */

@@ -6,7 +6,7 @@
 
 #define SMR_PROBES 4u /* operations of each probe, enough to be vectorised: vector units may have a mode of their own */
 
-/* Returns v, which the compiler cannot know. */
+/* Returns v in a way that the compiler cannot compute beforehand. */
 static float number(float v)
 {
     const volatile float at = v;
@@ -19,7 +19,7 @@ static float number_of_bits(uint32_t bits)
     return smr_float_of(at);
 }
 
-/* Returns 1 when each product a[i] * b[i] has these bits. */
+/* Returns 1 when each of the SMR_PROBES products a[i] * b[i] has these bits. */
 static int products_are(const float *a, const float *b, uint32_t bits)
 {
     float product[SMR_PROBES];

@@ -18,7 +18,7 @@ static inline int smr_legal_number(float v, float low, float high, int ends)
     return v >= low && v <= high && (ends != SMR_ENDS_OPEN || (v > low && v >= FLT_MIN));
 }
 
-/* SMR_LEGAL_kind is 1 when a value of this kind is legal. Kinds that are checked beside the table always pass. */
+/* SMR_LEGAL_kind is 1 when a value of this kind is legal. Kinds that are checked elsewhere always pass. */
 #define SMR_LEGAL_COUNT(v, low, high, ends) smr_legal_count((v), (uint32_t)(low), (uint32_t)(high), (ends))
 #define SMR_LEGAL_CHOICE SMR_LEGAL_COUNT
 #define SMR_LEGAL_SWITCH SMR_LEGAL_COUNT

@@ -19,7 +19,7 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
-/* Read and write element i of an array [n][3]. */
+/* Read, and write, the three floats of element i of an array [n][3]. */
 static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
 static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
 

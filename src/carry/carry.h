@@ -14,17 +14,17 @@
 
 #define SMR_CARRY_MAGIC 0x63726163u
 #define SMR_CARRY_DENSITIES 4u
-#define SMR_CARRY_FIRST 16u /* nearest vertices taken from all vertices */
-#define SMR_CARRY_MORE 12u  /* nearest vertices taken from each thinner selection */
+#define SMR_CARRY_FIRST 16u /* number of nearest vertices taken from all vertices */
+#define SMR_CARRY_MORE 12u  /* number of nearest vertices taken from each thinner selection */
 #define SMR_CARRY_NEAR (SMR_CARRY_FIRST + (SMR_CARRY_DENSITIES - 1u) * SMR_CARRY_MORE)
 #define SMR_CARRY_CHUNK 64u    /* points of a task */
-#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's rough part over that of its smooth part */
+#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's rough part, as a share of its smooth part's */
 
 /* A selection of vertices, every stride-th one along the curve, and a tree of boxes over groups of eight of them. */
 typedef struct smr_carry_thin {
     smr_box_tree groups;       /* tree with groups in place of triangles; only node, level and counts are used */
     uint32_t first, stride, n; /* vertices first, first + stride, ...: n of them */
-    uint32_t take;             /* nearest vertices taken from this selection */
+    uint32_t take;             /* number of nearest vertices taken from this selection */
 } smr_carry_thin;
 
 /* The vertices near a point, nearest first, and the equations of their coefficients. Scratch of one worker. */
@@ -33,11 +33,11 @@ typedef struct smr_carry_site {
     uint32_t id[SMR_CARRY_NEAR];                  /* numbers of the vertices along the curve */
     float x[3][SMR_CARRY_NEAR];                   /* rest positions, mm from the centre */
     float noise_variance[SMR_CARRY_NEAR];         /* noise variances, for the diagonal; 0 for the nearest vertex */
-    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) of the distance to the nearest vertex */
+    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) of each distance to the nearest vertex */
     float part[SMR_CARRY_NEAR];                   /* 1 - far / (1 + rough) */
     float inverse[SMR_CARRY_NEAR];                /* inverse pivots of the factor; 0 for a vertex that adds nothing */
     float lower[SMR_CARRY_NEAR * SMR_CARRY_NEAR]; /* the factor L of L D L^T, row-major; entry 0 is not used */
-    float side[SMR_CARRY_NEAR];                   /* right-hand side of the equations, then their solution */
+    float side[SMR_CARRY_NEAR];                   /* right-hand side of the equations, then the solution */
     float weight[3][SMR_CARRY_NEAR];              /* solutions for x, y and z of the vertices' residuals, mm */
 } smr_carry_site;
 
@@ -102,7 +102,7 @@ smr_pose smr_carry_trend(const smr_carry *c, const float *now);
 smr_status smr_carry_check(const smr_carry *c, const float *now);
 /* Runs a task for each chunk of n points. E_STATE when the port used a worker number that does not exist. */
 smr_status smr_carry_run(smr_carry *c, smr_task run, void *arg, uint32_t n);
-/* The worker's scratch. NULL, and wrong_worker is set, when the number does not exist. */
+/* Returns the worker's scratch; NULL, with wrong_worker set to 1, when there is no such worker. */
 smr_carry_site *smr_carry_site_of(smr_carry *c, uint32_t worker);
 
 #endif

@@ -8,8 +8,8 @@
 #include "carry/carry.h"
 
 #define SMR_CARRY_WIDTH ((size_t)SMR_CARRY_NEAR)
-#define SMR_CARRY_PIVOT 3.0e-6f    /* smallest pivot over its diagonal element: a vertex with less gets no weight */
-#define SMR_CARRY_NOTHING 1.0e-12f /* smallest pivot */
+#define SMR_CARRY_PIVOT 3.0e-6f    /* smallest pivot, as a share of its diagonal element: with less, weight 0 */
+#define SMR_CARRY_NOTHING 1.0e-12f /* added to that smallest pivot, for a diagonal element of 0 */
 #define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH) /* C: variance of both parts together */
 
 /* g, the growth of the variance with distance: 0 at distance 0, 1 + rough beyond both ranges. d2: squared, mm^2. */

@@ -7,7 +7,7 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 
-#define SMR_FRAME_SIDE 0.57735027f /* 1 / sqrt(3): corners at distance 1 */
+#define SMR_FRAME_SIDE 0.57735027f /* 1 / sqrt(3): coordinate of a tetrahedron's corners at distance 1 */
 
 static const float SMR_FRAME_CORNER[SMR_FRAME_PLACES][3] = {
     {0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 1.0f}, {1.0f, -1.0f, -1.0f}, {-1.0f, 1.0f, -1.0f}, {-1.0f, -1.0f, 1.0f}};

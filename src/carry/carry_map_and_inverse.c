@@ -8,11 +8,11 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 
-#define SMR_CARRY_STARTS 4u    /* vertices from which the inverse starts */
+#define SMR_CARRY_STARTS 4u    /* number of vertices from which the inverse starts */
 #define SMR_CARRY_ROUNDS 30u   /* most Newton steps from a start */
 #define SMR_CARRY_HALVINGS 6u  /* most halvings of a step */
 #define SMR_CARRY_MET 2.0e-4f  /* mm: tolerance of the inverse, near the rounding of a coordinate */
-#define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant with which a step is computed */
+#define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant of the map's gradient with which a Newton step is computed */
 
 /* Points being mapped. */
 typedef struct job {
@@ -22,7 +22,7 @@ typedef struct job {
     const float *xyz;      /* [n][3] points, mm */
     uint32_t n, inverse;   /* number of points; 1: the inverse is computed */
     float *out;            /* [n][3] mapped points, mm */
-    smr_carry_fact *facts; /* [n]; NULL: not wanted */
+    smr_carry_fact *facts; /* [n] facts on each point; NULL: not wanted */
 } job;
 
 /* The map at a point p. */
@@ -38,7 +38,7 @@ static smr_vec residual(const job *j, uint32_t id)
     return smr_sub(now, smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
-/* Computes weights: solves the equations for the vertices' residuals. Returns the nearest vertex' residual, mm. */
+/* Computes s->weight: solves the equations for the vertices' residuals. Returns the nearest vertex' residual, mm. */
 static smr_vec weigh(const job *j, smr_carry_site *s)
 {
     const smr_vec first = residual(j, s->id[0]);
@@ -101,7 +101,7 @@ static smr_vec undo(const float m[9], smr_vec v)
                      1.0f / d);
 }
 
-/* Finds the SMR_CARRY_STARTS vertices of the thinnest selection that are nearest to q now. */
+/* Finds the SMR_CARRY_STARTS vertices of the thinnest selection whose present positions are nearest to q. */
 static smr_carry_nearest starts(const job *j, smr_vec q)
 {
     const smr_carry_thin *t = &j->c->thin[j->c->n_densities - 1u];

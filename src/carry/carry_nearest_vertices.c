@@ -7,9 +7,9 @@
 
 #define SMR_CARRY_COARSE 600u /* most vertices of the thinnest selection */
 #define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
-#define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance */
-#define SMR_CARRY_NOISE 3.0e-4f /* scale of noise variances: a quarter of it applies half-way to the selection's end */
-#define SMR_CARRY_END 1.0e-6f   /* keeps the noise variance finite */
+#define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance of two points */
+#define SMR_CARRY_NOISE 3.0e-4f   /* scale of noise variances: a quarter of the scale half-way to the selection's end */
+#define SMR_CARRY_END 1.0e-6f /* added to a divisor that is 0 at the selection's end: a share of the range, squared */
 
 static uint32_t shape_one(smr_carry_thin *t, uint32_t n, uint32_t first, uint32_t stride, uint32_t take)
 {
@@ -23,7 +23,7 @@ void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint3
     uint32_t ratio = 2u;
     *n_densities = n <= SMR_CARRY_NEAR ? 1u : SMR_CARRY_DENSITIES;
     *n_nodes = shape_one(&thin[0], n, 0, 1, n <= SMR_CARRY_NEAR ? SMR_CARRY_NEAR : SMR_CARRY_FIRST);
-    while (n / (ratio * ratio * ratio) > SMR_CARRY_COARSE) /* ends at a ratio of at most 19 */
+    while (n / (ratio * ratio * ratio) > SMR_CARRY_COARSE) /* each selection is thinner by this ratio, at most 19 */
         ratio++;
     for (uint32_t k = 1, stride = ratio; k < *n_densities; k++, stride *= ratio)
         *n_nodes += shape_one(&thin[k], n, smr_min_u32(stride / 2u, n - 1u), stride, SMR_CARRY_MORE);
@@ -40,7 +40,7 @@ void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
         for (uint32_t axis = 0; axis < 3u; axis++) {
             t->groups.node[i / SMR_TREE_WIDTH].lo[axis][i % SMR_TREE_WIDTH] = SMR_FAR;
             t->groups.node[i / SMR_TREE_WIDTH].hi[axis][i % SMR_TREE_WIDTH] =
-                i < t->groups.n_triangles ? -SMR_FAR : SMR_FAR; /* groups beyond the last are empty */
+                i < t->groups.n_triangles ? -SMR_FAR : SMR_FAR; /* boxes beyond the last group are empty */
         }
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t group = i / SMR_TREE_WIDTH, k = group % SMR_TREE_WIDTH;
@@ -83,7 +83,7 @@ static void search(const smr_carry_thin *t, const float *rest, smr_carry_nearest
     const smr_box_tree *g = &t->groups;
     smr_visit stack[SMR_CARRY_STACK];
     uint32_t height = 0;
-    stack[height++] = (smr_visit){0.0f, g->n_levels, 0u}; /* level 0: a group; others: one more than in the tree */
+    stack[height++] = (smr_visit){0.0f, g->n_levels, 0u}; /* level 0 is a group; level k + 1 is the tree's level k */
     while (height > 0u) {
         const smr_visit at = stack[--height];
         float d2[SMR_TREE_WIDTH];
@@ -98,7 +98,7 @@ static void search(const smr_carry_thin *t, const float *rest, smr_carry_nearest
     }
 }
 
-/* Noise variance of vertex i: 0 for the nearest, near infinite when the next vertex beyond the selection is as near. */
+/* Returns the noise variance of vertex i: 0 for the nearest one, huge for one as far as the first vertex left out. */
 static float noise_variance(const smr_carry_nearest *f, uint32_t i)
 {
     if (f->n < f->most)

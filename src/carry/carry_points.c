@@ -9,9 +9,9 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 
-#define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part over the diagonal of the rest shape */
-#define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part over the mean distance of neighbours along the curve */
-#define SMR_CARRY_LEAST 1.0e-6f      /* smallest diagonal, mm, and smallest range over the diagonal */
+#define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part, as a share of the rest box' diagonal */
+#define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part, in mean distances of neighbours along the curve */
+#define SMR_CARRY_LEAST 1.0e-6f      /* smallest diagonal, mm, and smallest range as a share of the diagonal */
 
 /* Points being bound, with scratch. */
 typedef struct binding {

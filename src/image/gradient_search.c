@@ -5,9 +5,9 @@
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 
-#define SMR_EDGE_NEAR 3u   /* samples on either side of the surface in which the reference's edge is sought */
+#define SMR_EDGE_NEAR 3u   /* number of samples on either side of the surface in which the reference's edge is sought */
 #define SMR_EDGE_MIN 0.08f /* least slope of the reference's edge, in ranges of the profile per sample */
-#define SMR_STEEP 3.0f     /* slope, relative to the reference's, of the edges that are worth most */
+#define SMR_STEEP 3.0f     /* slope of the edges that are worth most, as a multiple of the reference edge's slope */
 
 /* Returns the slope of the packed reference at sample k, in ranges per sample. */
 static float slope_at(const uint8_t *packed, uint32_t k)

@@ -30,7 +30,7 @@ void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t 
 typedef struct smr_similarity {
     uint32_t kind;  /* SMR_SIMILARITY_... */
     float noise;    /* noise level, intensity; concordance ignores lower contrast */
-    float nearer;   /* loss of score at the end offsets; in between it is times the squared distance from the middle */
+    float nearer;   /* loss of score at the end offsets; it falls with the squared distance to 0 at the middle offset */
     uint32_t plain; /* 1: any match has the confidence 1 */
 } smr_similarity;
 

@@ -8,7 +8,7 @@
 #include "image/intensity_profile.h"
 
 #define SMR_LEVEL 0.1f        /* weight of a difference in mean brightness */
-#define SMR_SCORE_LOW -0.999f /* lowest score; -1 marks windows with samples outside the image */
+#define SMR_SCORE_LOW -0.999f /* lowest score of a window; -1 marks windows with samples outside the image */
 #define SMR_SCORE_MIN 0.3f    /* scores up to this have confidence 0 */
 #define SMR_APART 4u          /* samples: least distance between first and second peak */
 #define SMR_DISTINCT 5.0f     /* factor of the confidence per difference in score between first and second peak */
@@ -44,7 +44,7 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
     return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
 }
 
-#define SMR_SIDE 32u /* most offsets scored together, in loops that compilers vectorise */
+#define SMR_SIDE 32u /* largest number of offsets scored together, in loops that compilers vectorise */
 #define SMR_WIDTH 4u /* the number of offsets scored together is a multiple of this */
 
 /* Running sums over the samples of one window. */

@@ -7,9 +7,9 @@
 #include "image/tangential_shift.h"
 
 #define SMR_FARTHEST2 1.0e30f  /* mm^2: larger squared displacements, and NaN, come from values that no image has */
-#define SMR_NORMAL_ALONG 0.6f  /* a normal with a smaller x component has a long cross product with the x axis */
+#define SMR_NORMAL_ALONG 0.6f  /* x component of a normal below which its cross product with the x axis is long */
 #define SMR_CONTRAST_MOST 4.0f /* largest contrast returned */
-#define SMR_ROUNDING 1.0e-4f   /* damping relative to the squared slopes: a hundred times the sums' rounding error */
+#define SMR_ROUNDING 1.0e-4f   /* damping as a share of the squared slopes: a hundred times the sums' rounding error */
 
 /* Subtracts from n values their mean, because brightness differs between images of one kind. */
 static void subtract_mean(float *value, uint32_t n)

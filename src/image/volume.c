@@ -5,10 +5,10 @@
  * SPDX-License-Identifier: MIT */
 #include "image/volume.h"
 
-#define SMR_AXIS_MAX 65536u /* voxels along an axis */
+#define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis */
 #define SMR_VOXELS_MAX ((uint64_t)1 << 40)
 #define SMR_NOT_UNIT 0.01f /* tolerance of a direction's squared length */
-#define SMR_HUGE 1.0e30f   /* larger interpolated values count as outside */
+#define SMR_HUGE 1.0e30f   /* a sample with a larger interpolated value counts as outside */
 
 /* Writes the inverse of m. Returns 0 when m is nearly singular. */
 static int invert3(const float m[9], float out[9])

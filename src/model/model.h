@@ -10,7 +10,7 @@
 
 #define SMR_MODEL_MAGIC 0x31524d53u /* "SMR1" */
 #define SMR_MODEL_VERSION 3u
-#define SMR_MODEL_HEAD 16u   /* bytes before those that the checksum covers */
+#define SMR_MODEL_HEAD 16u   /* number of bytes at the start that the checksum does not cover */
 #define SMR_MASS_UNITS 16.0f /* masses are whole multiples of 1/16 */
 #define SMR_MASS_MAX 64.0f   /* largest mass */
 
@@ -78,13 +78,13 @@ typedef struct smr_stored_radius {
     uint32_t n_blocks;
     uint32_t largest;    /* vertices of the largest cluster; boundary vertices outside the radius count half */
     uint32_t smallest;   /* vertices of the smallest cluster */
-    uint32_t mean;       /* float: mean |zeta| */
+    uint32_t mean;       /* float: mean number of vertices of a cluster */
     uint32_t n_indexes;  /* number of indexes in all lists */
     uint32_t at_blocks;  /* smr_stored_block [n_blocks + 1] */
     uint32_t at_entries; /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
-    uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
+    uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta|, size of each stored vertex' cluster */
     uint32_t at_indexes; /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
-    uint32_t active_min; /* fewest active vertices, in stored order, that keep each cluster large enough */
+    uint32_t active_min; /* fewest active vertices, in stored order, with which each cluster is large enough */
     uint32_t n_boundary, at_boundary; /* smr_stored_boundary [n_boundary] */
 } smr_stored_radius;
 
@@ -97,7 +97,8 @@ typedef struct smr_stored_boundary {
 
 #define SMR_BOUNDARY_UNITS 256
 
-/* A block: its first entry and first index. The vertices of a block form one range along the curve. */
+/* A block of the order L: its first entry in at_entries and its first index in at_indexes. The vertices of a block form
+ * one range along the Hilbert curve. */
 typedef struct smr_stored_block {
     uint32_t first, first_index;
 } smr_stored_block;

@@ -5,7 +5,7 @@
 #include "model/model.h"
 
 #define SMR_RANGE_MAX 2.0e30f /* largest low or range of a profile: twice the largest absolute voxel value */
-#define SMR_WINDOW 4096u      /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
+#define SMR_WINDOW 4096u      /* number of vertices whose uniqueness is checked at a time, a bit each on the stack */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)

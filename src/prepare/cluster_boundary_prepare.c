@@ -1,14 +1,14 @@
 /* cluster_boundary_prepare.c: vertices near the cluster boundary get fractional weight.
  * Rounding would decide whether two vertices about a radius apart are in each other's cluster. Over a narrow range of
  * distances around the radius the weight therefore falls linearly from 1 to 0. The lists zeta+ and zeta- follow d <= r;
- * a boundary pair holds the weight less 1 or 0. Geodesic distances are whole micrometres and have no boundary.
+ * a boundary pair holds its weight less the lists' 1 or 0. Geodesic distances are whole micrometres, without boundary.
  * Bounds: for each vertex one visit to the boxes of the tree that the boundary crosses.
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
 #define SMR_BOUNDARY_MM 7.0e-4f /* half the boundary's width: about thirty times the rounding of coordinates */
-#define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */
-#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* relative rounding of squared distances to boxes */
+#define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width of the boundary, as a share of the radius */
+#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* rounding error of squared distances to boxes, as a share of them */
 
 static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 {
@@ -50,7 +50,7 @@ static uint32_t crossing(const smr_node *node, smr_vec p, float near2, float far
     return crossed;
 }
 
-/* Returns the same set for a leaf, whose boxes are single vertices. Not inlined, as leaf_members() is not. */
+/* crossing() for a leaf, whose boxes are single vertices. Not inlined, for the reason given at leaf_members(). */
 __attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, smr_vec p, float near2, float far2)
 {
     uint32_t crossed = 0;
@@ -99,6 +99,6 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
         find_pairs(p, l, v, radius, half);
     }
     l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
-    for (uint32_t v = 0; v < p->n; v++) /* vertices outside d <= r have a weight of 1/2 at most */
+    for (uint32_t v = 0; v < p->n; v++) /* finds the largest cluster; boundary vertices outside the radius count half */
         l->largest = smr_max_u32(l->largest, p->count[v] + (p->n_outside[v] + 1u) / 2u);
 }

@@ -170,7 +170,7 @@ void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
         smr_row_set(row, p->words, p->neighbour[i]);
 }
 
-#define SMR_TOGETHER 31u /* words whose counts a byte can sum: 8 bits a word, 255 at most */
+#define SMR_TOGETHER 31u /* number of words whose bits, 8 a word, can be counted in one byte: at most 255 */
 
 /* Counts the bits of each byte of x, without a branch. */
 static uint64_t bits_per_byte(uint64_t x)

@@ -7,12 +7,12 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-#define SMR_COARSEST 0.25f    /* coarsest radius relative to the model's length */
+#define SMR_COARSEST 0.25f    /* coarsest radius, as a share of the model's length */
 #define SMR_FINE_EDGES 1.7f   /* finest radius but one, in mean edge lengths */
 #define SMR_FREE_EDGES 0.01f  /* finest radius, in mean edge lengths */
-#define SMR_RATIO 0.66f       /* ratio of neighbouring radii */
+#define SMR_RATIO 0.66f       /* each radius as a share of the next coarser one */
 #define SMR_MEMBERS_MAX 1500u /* largest mean |zeta|: more makes iterations slow without deforming better */
-#define SMR_PROBES 64u        /* clusters over which the mean is taken */
+#define SMR_PROBES 64u        /* number of clusters over which the mean |zeta| is taken */
 
 /* Returns the mean |zeta| at this radius over SMR_PROBES vertices, evenly spread over the caller's numbering, so that
  * the mean does not depend on the model's pose. */

@@ -8,7 +8,7 @@
 /* Cosines of the angle between the normals of an edge's two triangles. SMR_RIGHT_BACK is above SMR_DIHEDRAL_OPEN. */
 #define SMR_RIGHT 0.02f          /* edges below 90 degrees at rest fold at 89 degrees, or at half the rest cosine */
 #define SMR_RIGHT_BACK (-0.25f)  /* edges of 90 degrees at rest (caps, corners) fold at 104 degrees */
-#define SMR_ROUNDING 1.0e-4f     /* tolerance for 90 degrees */
+#define SMR_ROUNDING 1.0e-4f     /* cosine up to which an edge counts as one of 90 degrees */
 #define SMR_BACK (-0.48f)        /* edges above 90 degrees at rest fold at 119 degrees or more */
 #define SMR_TURNED_BACK (-0.75f) /* edges with a lower cosine at rest are folded already and are left out */
 

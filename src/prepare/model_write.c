@@ -54,7 +54,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
         if (status != SMR_OK)
             return status;
     }
-    smr_list_block(&l); /* the end of the last block */
+    smr_list_block(&l); /* one more block record, which marks the end of the last block */
     l.n_blocks = n_blocks;
     smr_write_boundary(p, &l, radius);
     write_radius(w, at, &l, p, radius, p->active_min[radius_index]);

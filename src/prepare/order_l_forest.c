@@ -150,7 +150,7 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
     const uint32_t size = last - first;
     block all = {p, first, last, radius, 0};
     smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
-    if (p->forest.nearest_kind != 1u + p->separate) /* nearest[] is not known from the radius before */
+    if (p->forest.nearest_kind != 1u + p->separate) /* finds nearest[] unless it is known from the radius before */
         smr_fork(&p->port, fill_nearest, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
     const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
     link_up(p, size, kept);

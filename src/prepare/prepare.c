@@ -8,9 +8,9 @@
 #include "image/intensity_profile.h"
 #include "prepare/prepare_plan.h"
 
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* largest memory of a block's rows, by default */
-#define SMR_BLOCK_MIN 64u                     /* smallest block, vertices */
-#define SMR_BLOCK_MAX 2048u                   /* largest block, vertices */
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* most bytes of a block's rows, unless block_vertices is set */
+#define SMR_BLOCK_MIN 64u                     /* smallest default block, vertices */
+#define SMR_BLOCK_MAX 2048u                   /* largest default block, vertices */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 

@@ -11,8 +11,8 @@
 #include "geometry/box_tree/box_tree.h"
 #include "model/model.h"
 
-#define SMR_NEAREST 12u          /* nearest vertices tried as parents in the forest */
-#define SMR_NEIGHBOURS_TRIED 16u /* mesh neighbours tried as parents */
+#define SMR_NEAREST 12u          /* number of nearest vertices tried as parents in the forest */
+#define SMR_NEIGHBOURS_TRIED 16u /* largest number of mesh neighbours tried as parents */
 #define SMR_REMAINS UINT32_MAX   /* place of a vertex outside the priority list S, which is never ignored */
 
 /* The priority list S (priority_list.c). */
@@ -41,7 +41,7 @@ typedef struct smr_plan {
     const smr_prepare_config *config;
     uint32_t n_structures;
     uint32_t n, nt;          /* vertices and triangles of all structures */
-    uint32_t block_size;     /* most vertices in a block of the forest */
+    uint32_t block_size;     /* most vertices in a block, a part of the order L with a forest of its own */
     uint32_t words;          /* 64-bit words of a row of n bits */
     uint32_t n_rows;         /* rows available at once */
     uint32_t separate;       /* 1: a cluster of the present radius contains vertices of one structure only */
@@ -75,7 +75,7 @@ typedef struct smr_plan {
 
     /* written by smr_plan_levels(): the stored order */
     uint32_t n_levels;
-    uint32_t level_end[SMR_LEVELS_MAX]; /* vertices in a level and all before it */
+    uint32_t level_end[SMR_LEVELS_MAX]; /* number of vertices in each level and all levels before it */
     uint32_t *stored;                   /* [n] vertex along the curve -> stored vertex */
     uint32_t *along;                    /* [n] stored vertex -> vertex along the curve */
     uint32_t *level;                    /* [n] level of each vertex along the curve; the memory of priority.next */
@@ -190,7 +190,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
 /* The model being written. Bytes beyond the capacity are counted, not written. */
 typedef struct smr_writer {
     unsigned char *model;  /* [capacity] the caller's memory; NULL: bytes are counted only */
-    size_t capacity, used; /* bytes at model; bytes so far */
+    size_t capacity, used; /* size of the memory at model, bytes; bytes written or counted so far */
 } smr_writer;
 
 /* Write a little-endian number at offset `at`. */

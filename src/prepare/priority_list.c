@@ -13,8 +13,8 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "prepare/prepare_plan.h"
 
-#define SMR_KEPT 3u        /* vertices of a cluster that determine a rigid transform */
-#define SMR_REQUESTED 256u /* clusters between two calls of the progress callback */
+#define SMR_KEPT 3u        /* fewest active vertices of a cluster: three determine a rigid transform */
+#define SMR_REQUESTED 256u /* number of clusters computed between two calls of the progress callback */
 
 /* Counts one more computed cluster. Returns 1 when the progress callback wants to stop. */
 static int stop_requested(smr_plan *p)
@@ -67,7 +67,8 @@ static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
     return first;
 }
 
-/* Takes vertices out of S again where a cluster of this radius, coarser than those of S, keeps fewer than SMR_KEPT. */
+/* Takes vertices off the priority list S where a cluster of this radius would keep fewer than SMR_KEPT active vertices:
+ * the list so far is right for finer radii only. */
 static smr_status restore(smr_plan *p, float radius)
 {
     for (uint32_t i = 0; p->priority.n_listed > 0u && i < p->n; i++) {
@@ -313,7 +314,7 @@ void smr_plan_levels(smr_plan *p, uint32_t n_radii)
         p->key[v] = p->level[v] = level;
         p->along[v] = v;
     }
-    smr_curve_sort(p->key, p->along, p->tmp, p->n); /* stable */
+    smr_curve_sort(p->key, p->along, p->tmp, p->n); /* by level; stable, so along the curve within a level */
     for (uint32_t v = 0; v < p->n; v++)
         p->stored[p->along[v]] = v;
 }

@@ -6,13 +6,13 @@
 #include "registration/schedule_radius.h"
 
 /* Returns 1 when a radius may end before its last iteration. With tangential smoothing the last radius does not, since
- * rounding would decide. Volumes reach their ratios at the first radius. */
+ * rounding would decide when. No radius ends early while volumes change towards their ratios. */
 static int may_end_early(const smr *s)
 {
     if (smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes))
         return 0;
     if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->schedule))
-        return 0; /* triangles are tested for contact in its last iterations */
+        return 0; /* the last radius runs to its end: only its last iterations test triangles' centres for contact */
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->schedule) ||
            s->forces.surface.n_goals_at_begin == 0u || !(s->shared.config.basic.even > 0.0f);
 }

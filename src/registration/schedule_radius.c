@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
-#define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model with an image */
+#define SMR_ENOUGH_ALL 1000.0f /* number of active vertices of the whole model that suffices for an image, at least */
 #define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
 #define SMR_FIRST_TIMES 2u   /* factor on the first radius' iterations with an image: most displacement happens there */
 #define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */

@@ -7,7 +7,7 @@
 #include "geometry/linear_solve/thin_plate_solve.h"
 
 #define SMR_REFINEMENTS 3u
-#define SMR_PIVOT_MIN 1.0e-9f /* smaller pivots count as 0; the caller scales the matrix to entries of about 1 */
+#define SMR_PIVOT_MIN 1.0e-9f /* smallest pivot that is not 0; the caller scales the matrix to entries of about 1 */
 
 /* Factors s->a into s->lu, rows in the order of s->pivot. Of equal pivots the first is taken. Returns 0 for pivot 0. */
 static int factor(const smr_system *s)

@@ -9,7 +9,7 @@
 #include "geometry/rotation/rotation.h"
 
 #define SMR_SWEEPS_WARM 4u
-#define SMR_RANK_FLOOR 1.0e-3f /* smaller singular values, relative to the largest, count as 0 */
+#define SMR_RANK_FLOOR 1.0e-3f /* singular values below this share of the largest count as 0 */
 
 /* Returns a unit vector perpendicular to the unit vector a, always the same one for the same a. */
 static smr_vec any_normal(smr_vec a)
@@ -74,7 +74,7 @@ void smr_polar(const float a[9], float v[9], float m[9])
     smr_congruence(s, v, d);
     smr_jacobi(d, v, SMR_SWEEPS_WARM);
     orthonormalise(v);
-    /* k is the smallest eigenvalue; directions i and j determine R. (vi, vj, vk) is a proper rotation. */
+    /* k is the index of the smallest eigenvalue; directions i and j determine R. (vi, vj, vk) is a proper rotation. */
     int k = d[SMR_XX] <= d[SMR_YY] && d[SMR_XX] <= d[SMR_ZZ] ? 0 : (d[SMR_YY] <= d[SMR_ZZ] ? 1 : 2);
     int i = (k + 1) % 3, j = (k + 2) % 3;
     smr_vec vi = smr_axis(v, i), vj = smr_axis(v, j), vk = smr_axis(v, k);

@@ -125,7 +125,7 @@ smr_vec smr_rotation_log(const float m[9])
         w = skew.y, q = smr_v(m[1] + m[3], y2, m[5] + m[7]);
     else
         w = skew.z, q = smr_v(m[2] + m[6], m[5] + m[7], z2);
-    /* q and w have a common factor, which the angle does not depend on */
+    /* (w, q) and (-w, -q) are one rotation: makes w positive, so that the angle is at most half a turn */
     if (w < 0.0f)
         q = smr_scale(q, -1.0f);
     w = smr_abs(w);

@@ -5,7 +5,7 @@
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_FIT_OPEN 1.0e-4f /* axes with less curvature than this, relative to the largest, are undetermined */
+#define SMR_FIT_OPEN 1.0e-4f /* axes with less than this share of the largest curvature are undetermined */
 #define SMR_FIT_NEAR 0.01f   /* longest Newton step, rad; reflections and deficient ranks would take longer ones */
 
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
@@ -61,13 +61,13 @@ static void sharpen(const float a[9], float r[9])
     memcpy(r, out, sizeof out);
 }
 
-/* Returns the sum of w a b with a and b relative to their means. */
+/* Returns the sum of w a b, with a and b relative to their means. Arguments: indexes of the sums of w a b, w a, w b. */
 static float centred(const smr_fit *f, uint32_t product, uint32_t a, uint32_t b)
 {
     return f->sum[product] - f->sum[a] / f->weight * f->sum[b] + f->lost[product];
 }
 
-/* Returns the sum of w |a - mean of a|^2, mm^2; a: index of the x sum. */
+/* Returns the sum of w |a - mean of a|^2, mm^2. product: index of the sum of w |a|^2; a: index of the sum of w a.x. */
 static float spread(const smr_fit *f, uint32_t product, uint32_t a)
 {
     return centred(f, product, a, a) - f->sum[a + 1u] / f->weight * f->sum[a + 1u] -

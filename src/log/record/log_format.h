@@ -46,7 +46,7 @@ typedef void smr_log_writer(smr_log *log, uint32_t kind, uint32_t number, const 
 struct smr_log {
     unsigned char *memory; /* [bytes] the caller's memory; NULL: no recording */
     smr_log_writer *write; /* smr_log_write; NULL: no recording */
-    size_t bytes, used;    /* bytes at memory; bytes written */
+    size_t bytes, used;    /* size of the memory; bytes written so far */
     uint32_t crc, n_ticks; /* CRC-32 up to the last record; ticks recorded */
     uint32_t full;         /* 1: a record did not fit, and no record follows */
     uint32_t fresh;        /* 1: the registration has not changed since smr_init() */
@@ -75,7 +75,7 @@ void smr_log_end(smr_log *log);
 
 typedef struct smr_log_of_tick {
     const smr_tick_report *report;
-    uint32_t complete;    /* 1: an iteration was completed, or the schedule was done already */
+    uint32_t complete;    /* 1: the tick completed an iteration, or the schedule was done already */
     uint32_t n_evaluated; /* vertices whose forces were computed, in this iteration so far or in the complete one */
 } smr_log_of_tick;
 

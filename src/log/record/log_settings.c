@@ -10,7 +10,7 @@
 #define SMR_LOG_COVERAGE 3u /* the first version with partial targets */
 
 typedef struct log_row {
-    uint32_t number, offset, n; /* the setting's number, offset in smr_config, and words; 0 words: not in logs */
+    uint32_t number, offset, n; /* the setting's number, offset in smr_config, and number of words; 0: not in logs */
 } log_row;
 
 static const log_row rows[] = {

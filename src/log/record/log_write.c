@@ -1,5 +1,5 @@
 /* log_write.c: logs all inputs of a registration, and the end of each tick. Log and inputs determine all bits, so a run
- * that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended, and each record's
+ * that the clock has cut short can be repeated anywhere. Bytes are little-endian, records are appended, each record's
  * checksum continues the one before: after a loss of power the log is readable up to its last record (docs/SPEC.md).
  * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
  * SPDX-License-Identifier: MIT */

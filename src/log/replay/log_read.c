@@ -62,7 +62,7 @@ static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
     return r->index < r->count && r->count <= SMR_LANDMARKS_MAX && word[11] <= 1u ? SMR_OK : SMR_E_LOG;
 }
 
-/* Reads a force record: 0: the force was taken away; 1: it was set; 2: the checksum of its output. */
+/* Reads a force record. word[0]: 0: the force was taken away; 1: it was set; 2: the checksum of its output follows. */
 static smr_status take_force(const uint32_t *word, smr_log_record *r)
 {
     r->present = word[0] == 1u;

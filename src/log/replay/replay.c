@@ -20,7 +20,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
         return status;
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
-    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* does not affect results */
+    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* may differ: it does not affect results */
     if (smr_config_left_out(&info.config))
         return SMR_E_WITHOUT;
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
@@ -42,7 +42,7 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
     return smr_set_landmarks(r->s, r->landmark, record->count);
 }
 
-/* Returns 1 for inputs that only forces read. */
+/* Returns 1 when only the forces of an iteration read this kind of input. */
 static int of_forces(uint32_t kind)
 {
     return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
@@ -110,7 +110,7 @@ static smr_status set_again(smr_replay *r, const smr_log_record *record)
     return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
 }
 
-/* Sets the force inputs that came after the iteration's forces were complete: records from r->later to the reader. */
+/* Sets inputs of forces that came after the iteration's forces were complete: records from r->later to the reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;
@@ -120,7 +120,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
             status = set_again(r, record);
     }
     r->has_later = 0;
-    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* more landmarks were announced */
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* some announced landmarks are missing */
 }
 
 /* Sets an input now, or keeps it for the end of the current iteration. *record: the input, or the one that failed. */

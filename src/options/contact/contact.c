@@ -17,12 +17,12 @@
 
 #define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside than this when first searched is not pushed out */
 #define SMR_CONTACT_BAND 0.5f   /* mm beyond the contact thickness: contacts start there; at half of it they are full */
-#define SMR_REACH_NEAR 1.25f    /* search radius of vertices that were near a surface, in contact zones */
-#define SMR_REACH_FAR 4.0f      /* search radius of all other vertices, in contact zones */
-#define SMR_FACING_NONE (-0.5f) /* cosine between exit direction and inward normal: at or above it no weight */
-#define SMR_FACING_FULL (-0.3f) /* the same cosine: at or below it a contact has full weight */
+#define SMR_REACH_NEAR 1.25f    /* search radius of vertices that were near a surface, in contact thickness + band */
+#define SMR_REACH_FAR 4.0f      /* search radius of all other vertices, in contact thickness + band */
+#define SMR_FACING_NONE (-0.5f) /* cosine between exit direction and inward normal from which on there is no contact */
+#define SMR_FACING_FULL (-0.3f) /* the cosine at or below which a contact has full weight */
 #define SMR_PASSED 4.0f /* factor: a vertex so much nearer to the opposite surface has passed through the structure */
-#define SMR_TRIANGLES_LAST 2u   /* last iterations that also test triangles' centres: in more the centres drift */
+#define SMR_TRIANGLES_LAST 2u   /* number of last iterations that also test triangles' centres; more make them drift */
 #define SMR_TRIANGLE_REACH 3.0f /* mm beyond the contact thickness: search depth of triangles' centres */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
 #define SMR_PROJECT_PASSES 3u /* passes of the projection over all contacts */
@@ -74,7 +74,7 @@ int smr_fixed_valid(const smr_contact *c)
     return valid;
 }
 
-/* The triangles of a body; NULL: it cannot be touched. shift: vector from the shape's origin to the body's, mm. */
+/* Returns the triangles of a body; NULL: it cannot be touched. shift: from the shape's to its origin, mm. */
 static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
 {
     *shift = smr_v(0, 0, 0);
@@ -147,7 +147,7 @@ static int in_reach(const float *box, smr_vec p, float reach)
            p.y < box[4] + reach && p.z < box[5] + reach;
 }
 
-/* Rises from 0 at `from` to 1 at `to`, and stays at 0 and 1 beyond. */
+/* Returns a weight that rises from 0 at `from` to 1 at `to`, and stays at 0 and 1 beyond. */
 static float ramp(float value, float from, float to) { return smr_clamp((value - from) / (to - from), 0.0f, 1.0f); }
 
 /* Finds the exit from inside a structure through triangles that face the vertex. Returns the contact's weight, 0..1. */
@@ -163,7 +163,7 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
 /* A point of a structure's surface that is tested for contact. */
 typedef struct probe {
     smr_vec at, inward; /* position, mm; unit vector against the normal */
-    uint32_t owner;     /* the structure */
+    uint32_t owner;     /* the structure that the point belongs to */
 } probe;
 
 /* Finds the signed distance of a point to a body. Returns the contact's weight, 0..1; -1: body beyond `reach`. */
@@ -179,7 +179,7 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
-    if (side->mm < 0.0f) /* the shortest exit counts where the nearest triangle faces the vertex */
+    if (side->mm < 0.0f) /* inside: the shortest exit counts only where the nearest triangle faces the vertex */
         return smr_dot(smr_get3(f->normal, side->triangle), q.normal) > 0.0f ? 1.0f : face_out(f, normal, q, side);
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
@@ -241,7 +241,7 @@ void smr_contact_find(smr_contact *c, uint32_t v)
     c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
     if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
         return;
-    /* -bound is the largest possible depth inside a structure now, mm */
+    /* search radius, mm; -bound is the largest possible depth inside a structure now */
     const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
     const probe p = {smr_get3(c->shape->x, v), smr_scale(smr_get3(c->shape->normal, v), -1.0f),
                      smr_model_owner(c->shared->model, v)};
@@ -270,7 +270,7 @@ void smr_contact_find_triangle(smr_contact *c, uint32_t k)
         (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, &c->triangle_touch[k], 1);
 }
 
-/* The stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
+/* Returns the stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
 static const uint32_t *corners_of(const smr_contact *c, const smr_touch *touch)
 {
     if (touch->body >= c->shared->n_structures)
@@ -322,7 +322,7 @@ typedef struct place {
     float weight[3];       /* barycentric weights */
 } place;
 
-/* The displacement of a point in this iteration along `out`, mm. Adds the point's inverse mass to *sum. */
+/* Returns the displacement of a point in this iteration along `out`, mm. Adds the point's inverse mass to *sum. */
 static float displacement_along(const smr_contact *c, const place *p, smr_vec out, float *sum)
 {
     float displacement = 0.0f;

@@ -45,7 +45,7 @@ typedef struct smr_contact {
     float *box;                /* [n_bodies][6] box of each body when the iteration began: low and high corner, mm */
     uint8_t *closed;           /* [n_structures] 1: the structure is closed and its triangles face outwards */
     smr_touch *touch;          /* [n][SMR_TOUCHES] contacts of each vertex in the current iteration */
-    smr_touch *triangle_touch; /* [n_triangles] contacts of triangles' centres, where triangles_due is 1 */
+    smr_touch *triangle_touch; /* [n_triangles] contacts of triangles' centres, in iterations with triangles_due 1 */
     uint32_t triangles_due;    /* 1: this iteration also tests triangles' centres */
     float *push;               /* [n][3] displacement that is added to the force, mm */
     float *reach;      /* [n] lower bound on the distance to bodies, mm, of the last complete forces; < 0: inside */
@@ -53,16 +53,16 @@ typedef struct smr_contact {
 } smr_contact;
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
-void smr_contact_model(smr_contact *c);  /* computes what depends on the model alone */
+void smr_contact_model(smr_contact *c);  /* finds which structures are closed */
 void smr_contact_reset(smr_contact *c);  /* sets all distance bounds to unknown */
-void smr_contact_begin(smr_contact *c);  /* called when an iteration begins */
-void smr_contact_commit(smr_contact *c); /* called when the current forces are complete */
+void smr_contact_begin(smr_contact *c);  /* called when an iteration begins: computes the boxes of the bodies */
+void smr_contact_commit(smr_contact *c); /* called when the current forces are complete: keeps the distance bounds */
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets or removes (NULL) a surface */
 int smr_fixed_valid(const smr_contact *c); /* 1: no fixed surface has changed since it was set */
 
 static inline int smr_contact_used(const smr_contact *c) { return SMR_HAS_CONTACT && c->touch != NULL; }
 
-/* Returns 1 when contacts act in this iteration. In clusters of several structures both sides' displacements cancel. */
+/* Returns 1 when contacts act in this iteration: not with clusters of several structures, which would cancel them. */
 static inline int smr_contact_on(const smr_contact *c)
 {
     return smr_contact_used(c) && c->schedule->repairing == 0u &&
@@ -73,7 +73,8 @@ static inline int smr_contact_on(const smr_contact *c)
 void smr_contact_find(smr_contact *c, uint32_t v);                 /* finds the contacts of a vertex */
 void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* finds the contact of a triangle's centre */
 
-/* The displacement of vertex v that removes its share of the penetration when all vertices move by `displaced`, mm. */
+/* Returns the further displacement of v, mm, that removes v's share of the penetration when all vertices move by
+ * `displaced`. */
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);
 smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx);
 
@@ -86,16 +87,16 @@ void smr_contact_project(void *contact, uint32_t task, uint32_t worker); /* task
 #define SMR_VOLUME_RATIO_LEAST 0.1f /* smallest ratio that the caller may set */
 #define SMR_VOLUME_RATIO_MOST 10.0f /* largest ratio that the caller may set */
 
-/* The volume of one structure. Ratios are volume over rest_mm3. */
+/* The volume of one structure. A ratio is a volume divided by rest_mm3. */
 typedef struct smr_kept_volume {
     uint32_t closed; /* 1: the structure is closed and its volume is corrected; 0: the other fields are not used */
     float model_mm3; /* volume of the rest shape, mm^3 */
-    float rest_mm3; /* volume of the rest shape in the scale of the start, mm^3; negative when triangles face inwards */
+    float rest_mm3;  /* volume of the rest shape in the scale of the start, mm^3; negative: triangles face inwards */
     float model_thick_mm;  /* volume over area (half the mean thickness) of the rest shape, mm */
     float thick_mm;        /* model_thick_mm in the scale of the start, mm */
-    float ratio;           /* the caller's ratio */
+    float ratio;           /* the ratio that the caller wants (smr_set_volume_ratio) */
     float ratio_at_begin;  /* the caller's ratio when the current iteration began */
-    float now;             /* ratio of the current iteration: goes in steps from the start's to the caller's */
+    float now;             /* ratio of the current iteration: goes in steps from that of the start to the caller's */
     float displacement_mm; /* displacement of each vertex along its normal, mm */
     smr_vec apex;          /* common apex of the cones over the triangles, whose volumes are summed, mm */
     smr_enclosed sum;      /* sum of the cones so far */
@@ -142,7 +143,7 @@ void smr_smooth_start(smr_smooth *s); /* called when positions start anew or are
 uint32_t smr_smooth_tasks(const void *smooth);
 void smr_smooth_sum(void *smooth, uint32_t task, uint32_t worker);
 
-/* Averages a displacement to a goal with the smoothing displacement, in iterations in which the step has tasks. */
+/* Returns the mean of the displacement of v to its goal and its smoothing displacement, mm, when the step has run. */
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement);
 
 #endif

@@ -36,7 +36,7 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
         smr_ring_add(&s->rings, s->shared->triangle + 3u * (size_t)k, s->shape->x);
 }
 
-/* The height of the mesh neighbours' mean over a vertex along its normal, mm. */
+/* Returns the height of the mesh neighbours' mean above a vertex, along the vertex' normal, mm. */
 static float height_of(const smr_smooth *s, uint32_t v)
 {
     if (!(s->rings.weight[v] > 0.0f))

@@ -7,9 +7,9 @@
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
 
-#define SMR_VOLUME_STEP 0.04f      /* largest change of the requested volume in an iteration, over the volume */
-#define SMR_DISPLACEMENT_MOST 0.5f /* largest displacement in an iteration, over half the thickness */
-#define SMR_NOW_MOST 100.0f        /* largest absolute ratio of an iteration */
+#define SMR_VOLUME_STEP 0.04f      /* largest change of smr_kept_volume.now in an iteration, as a share of it */
+#define SMR_DISPLACEMENT_MOST 0.5f /* largest displacement in an iteration, as a share of half the mean thickness */
+#define SMR_NOW_MOST 100.0f        /* largest absolute value of smr_kept_volume.now */
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
 {

@@ -12,11 +12,11 @@
 #include "options/dynamics/dynamics.h"
 #include "registration/schedule_radius.h"
 
-#define SMR_WEIGHT_UNIT 32.0f     /* units of a weight 1: rounding changes a mass by at most 1.6 % */
-#define SMR_WEIGHTS_SUM 262144.0f /* most units of all weights in a cluster: more would make its centre inexact */
-#define SMR_WEIGHT_MOST 1024.0f   /* largest weight of a vertex over the mean */
+#define SMR_WEIGHT_UNIT 32.0f     /* weights are multiples of 1 / 32: rounding changes a weight of 1 by at most 1.6 % */
+#define SMR_WEIGHTS_SUM 262144.0f /* most units of all weights in a cluster: more would make the centre inexact */
+#define SMR_WEIGHT_MOST 1024.0f   /* largest weight of a vertex that is not pinned; the mean is 1 */
 #define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
-#define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices of a cluster together, over the cluster's mass */
+#define SMR_PINNED_TIMES 8.0f     /* weight of a cluster's pinned vertices together / weight of the largest cluster */
 
 void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared)
 {
@@ -73,7 +73,7 @@ static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
         group[k] = group[k] == other ? first : group[k];
 }
 
-/* Counts the members of each vertex' cluster, including fractions at the boundary, and finds groups of structures
+/* Counts the members of each vertex' cluster, with fractions at the boundary, and finds groups of structures
  * that share clusters, directly or through others. A group's number is that of its first structure. */
 static void count_members(smr *s)
 {
@@ -100,13 +100,13 @@ static void count_members(smr *s)
         d->members[v] = smr_max(d->members[v], 1.0f);
 }
 
-/* The weight rounded to a multiple of 1 / unit, at most `most`. */
+/* Returns the weight rounded to a multiple of 1 / unit, within 1 / unit .. most. */
 static float rounded(float weight, float most, float unit)
 {
     return smr_whole_number(smr_clamp(weight, 1.0f / unit, most) * unit) / unit;
 }
 
-/* The mean of mass over members of the vertices that are not pinned, g. Counts the pinned vertices. */
+/* Returns the mean of mass / members, g, over the vertices that are not pinned. Counts the pinned ones. */
 static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
 {
     float sum = 0.0f;

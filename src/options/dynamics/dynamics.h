@@ -15,8 +15,8 @@
 #define SMR_MASS_LEAST 1.0e-6f  /* smallest mass of a vertex, g */
 #define SMR_MASS_MOST 1.0e6f    /* largest mass of a vertex, g */
 #define SMR_SPEED_MOST 1.0e6f   /* largest velocity along an axis, mm/s */
-#define SMR_STORED_MOST 3.0e38f /* largest energy, uJ */
-#define SMR_FARTHEST 1.0e6f     /* largest predicted coordinate, mm */
+#define SMR_STORED_MOST 3.0e38f /* largest energy in a save, uJ */
+#define SMR_FARTHEST 1.0e6f     /* largest coordinate of a predicted position, mm */
 
 /* Energies of the last complete time step, uJ. */
 typedef struct smr_stored_energy {
@@ -38,7 +38,7 @@ typedef struct smr_step_sums {
     smr_vec displacement;    /* mean displacement of the group in the step, mm */
     smr_vec middle;          /* mean position of the group at the end of the step, mm */
     smr_vec spin;            /* rotation of the group in the step about `middle`, radians */
-    float share, spin_share; /* factors on velocities: on motion besides the rigid motion; on the rotation */
+    float share, spin_share; /* factors on velocities at the step's end: on motion besides rigid motion; on rotation */
     float n_pinned;          /* number of pinned vertices of the structure itself */
     smr_vec centre;          /* centre of the structure's pinned vertices, mm */
     smr_vec off, turn; /* rigid motion of pinned vertices off the reference shape: off + turn x (x - centre), mm */
@@ -48,11 +48,11 @@ typedef struct smr_step_sums {
 typedef struct smr_dynamics {
     const smr_shared *shared;
     float step_s;  /* h: length of a time step, s */
-    float springs; /* k h^2: elastic over inertial stiffness */
-    smr_vec fall;  /* h^2 g: displacement by gravity in a time step, mm */
+    float springs; /* k h^2: ratio of elastic to inertial stiffness */
+    smr_vec fall;  /* h^2 g, with g the gravity: displacement by gravity in a time step, mm */
     float keeps;   /* factor of damping on velocities in a time step */
     uint32_t ends; /* 1: the current iteration ends a time step */
-    float gram;    /* g: mass of a vertex is weight * members * gram */
+    float gram;    /* unit of weights, g: the mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
     uint32_t weighed;    /* 1: masses were set since the last complete time step */
     uint32_t *group;     /* [n_structures] first structure of the group, whose structures share clusters */
@@ -63,7 +63,7 @@ typedef struct smr_dynamics {
     float *begin;               /* [n][3] positions at the start of the time step, mm */
     float *velocity;            /* [n][3] velocities at the start of the time step, mm/s */
     float *mass;                /* [n] mass as set, g; 0: the vertex is pinned and keeps its velocity */
-    float *members;             /* [n] number of members of each cluster, |zeta|, at the current radius */
+    float *members;             /* [n] number of members of each vertex' cluster, |zeta|, at the current radius */
     float *weight;              /* [n] weight in the clusters' fits: a whole multiple of 1 / smr_shared.mass_unit */
 } smr_dynamics;
 
@@ -96,7 +96,7 @@ static inline smr_vec smr_dynamics_ahead(const smr_dynamics *d, uint32_t v, smr_
 }
 
 /* The new position of vertex v in a sweep, mm: minimises m/2h^2 |x - y|^2 + m k/2 |x - average|^2 + m k share/2 |x -
- * goal|^2. share: stiffness of the spring to the goal over k; pull: share * goal. */
+ * goal|^2. share: stiffness of the spring to the goal divided by k; pull: share * goal. */
 static inline smr_vec smr_dynamics_next(const smr_dynamics *d, uint32_t v, smr_vec average, float share, smr_vec pull)
 {
     const smr_vec y = smr_dynamics_free(d, v);
@@ -116,7 +116,7 @@ void smr_time_steps_begin(smr *s); /* called before an iteration */
 void smr_time_steps_next(smr *s);  /* called after an iteration */
 void smr_time_steps_weigh(smr *s); /* called for new masses: computes weights of fits */
 
-/* The mass of a vertex by its weight in the fits, g. 0: the vertex is pinned. */
+/* Returns the mass of a vertex that its rounded weight in the fits stands for, g. 0: the vertex is pinned. */
 static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
 {
     return d->mass[v] > 0.0f ? d->weight[v] * d->members[v] * d->gram : 0.0f;

@@ -7,7 +7,7 @@
 #include "options/dynamics/dynamics.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
-#define SMR_LESS 0.999999f /* factor on the permitted energy, since sums are rounded */
+#define SMR_LESS 0.999999f /* factor on the permitted energy, a margin for the rounding of sums */
 #define SMR_LINE 1.0e-4f   /* pinned vertices thinner than this share of their length form a line and turn about it */
 
 /* The passes of the summation. Each pass uses the results of the ones before. */
@@ -127,7 +127,7 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
         return;
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
         const float share = s->shared.config.forces.stiffness, k = s->shared.config.dynamics.elastic;
-        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v)); /* since the search for the goal */
+        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v)); /* displacement since the search for the goal, mm */
         const smr_vec pull = smr_sub(smr_get3(s->forces.force, v), smr_scale(moved, share));
         sum[SMR_GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
         sum[SMR_WORK] += mass * k * smr_dot(pull, smr_sub(displacement_of(s, v), group->displacement));

@@ -15,9 +15,9 @@
 #define SMR_HAS_IMAGE 1
 #endif
 
-#define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image: each costs as much as forty on a surface */
-#define SMR_CONTRAST_ONE 64u  /* stored contrast when the image has the contrast of the profile */
-#define SMR_BRIGHTER_NONE 128 /* stored brightness when the image is as bright as the profile */
+#define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image: one takes the time of forty on a surface */
+#define SMR_CONTRAST_ONE 64u  /* stored number for equal contrast of image and profile */
+#define SMR_BRIGHTER_NONE 128 /* stored number for equal brightness of image and profile */
 
 /* Results of one structure's search in the image in the last iteration, and settings of its next search. */
 typedef struct smr_image_structure {
@@ -26,9 +26,9 @@ typedef struct smr_image_structure {
     smr_box box;                 /* box around the structure's vertices, mm */
     float wide_mm;               /* search distance of profiles, mm, where it exceeds schedule.profile_mm */
     float noise;                 /* noise level, intensity: lower contrast counts as none */
-    float gain;                  /* contrast of the image over that of the profiles, mean over the goals */
+    float gain;                  /* contrast of the image divided by that of the profiles, mean of the goals */
     float gain_sum, gain_weight; /* weighted sum of contrasts at goals; sum of weights */
-    float brighter;              /* brightness of the image minus that of the profiles, mean over the goals */
+    float brighter;              /* brightness of the image minus that of the profiles, intensity, mean of the goals */
     float brighter_sum;          /* weighted sum of brightness at goals */
     uint32_t idle;               /* 1: the last complete forces did not search the image for this structure */
     float matched;               /* while idle: share of vertices with a goal in the last search; -1: never searched */
@@ -44,10 +44,10 @@ typedef struct smr_image_goals {
     smr_grid grid;                  /* the target image */
     smr_image_structure *structure; /* [n_structures] each structure's search in the image */
     uint32_t ring_pieces;           /* pieces of a structure in the current step; 0 and 1: the structure is one task */
-    uint8_t *contrast;      /* [n] image's contrast over the profile's at the goal, * SMR_CONTRAST_ONE; 0: unknown */
-    uint8_t *contrast_next; /* [n] the same contrast in the current forces */
+    uint8_t *contrast;              /* [n] at the goal: image's contrast / profile's * SMR_CONTRAST_ONE; 0: unknown */
+    uint8_t *contrast_next;         /* [n] `contrast` of the current forces */
     uint8_t *brighter;      /* [n] brightness at the goal, image minus profile, in noise units + SMR_BRIGHTER_NONE */
-    uint8_t *brighter_next; /* [n] the same brightness in the current forces */
+    uint8_t *brighter_next; /* [n] `brighter` of the current forces */
 } smr_image_goals;
 
 /* Returns 1 when structures without a surface follow an image. */
@@ -57,7 +57,7 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
 void smr_image_goals_reset(smr_image_goals *g);                       /* discards all results of the current forces */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* sets the target image; NULL: none */
 void smr_image_goals_noise(smr_image_goals *g);  /* computes each structure's noise level from the model */
-void smr_image_goals_commit(smr_image_goals *g); /* called when the current forces are complete */
+void smr_image_goals_commit(smr_image_goals *g); /* called when the current forces are complete: keeps their results */
 
 /* The displacement of vertex v to its goal in the image: SMR_GOAL, and *displacement is set. SMR_NO_GOAL: no goal
  * above the confidence threshold. SMR_UNDECIDED: the vertex has no profile, the search leaves the image or meets one
@@ -70,11 +70,11 @@ void smr_image_forget(smr_image_goals *g, uint32_t v);      /* marks v as having
 void smr_image_keep(smr_image_goals *g, uint32_t v);        /* keeps the last contrast and brightness of v */
 void smr_image_ahead(const smr_image_goals *g, uint32_t v); /* prefetches the voxels for the search of v */
 
-/* Compares the profile of v in its place with the same profile in places beside it. *wins: comparisons won minus
- * comparisons lost, of *n. *n is 0 when v has no profile or a sample lies outside the image. */
+/* Compares how well the profile of v matches the image at v and at places beside v. *wins: comparisons that v won minus
+ * those that it lost, of *n. *n is 0 when v has no profile or a sample lies outside the image. */
 void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n);
 
-/* Step: sums over mesh neighbours, abreast for all structures. Then the displacement of a vertex without a goal, mm. */
+/* Step: sums over mesh neighbours, all structures side by side. Then the displacement of a vertex without goal, mm. */
 uint32_t smr_fill_tasks(const void *goals);
 uint32_t smr_fill_abreast(const void *goals);
 void smr_fill_pieces(void *goals, int cut);

@@ -7,10 +7,10 @@
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
 
-#define SMR_GAIN_LEAST 0.25f   /* smallest contrast of the image over that of the profiles */
-#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile: its range over the noise */
-#define SMR_MATCHED_WELL 0.8f  /* share of a structure's vertices with a goal: from it on the search is usual */
-#define SMR_MATCHED_BADLY 0.5f /* the same share: with less the structure counts as lost */
+#define SMR_GAIN_LEAST 0.25f   /* smallest ratio of the image's contrast to that of the profiles */
+#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile; the weight is its range divided by the noise */
+#define SMR_MATCHED_WELL 0.8f  /* share of a structure's vertices with a goal at which the search is not widened */
+#define SMR_MATCHED_BADLY 0.5f /* share of vertices with a goal below which the search is as wide as it gets */
 
 /* Without a budget each structure is a task. With a budget it is cut into pieces, of its vertices, then of its
  * triangles, and the same piece of all structures comes before the next: task = piece * n_structures + structure. */
@@ -34,7 +34,8 @@ void smr_fill_pieces(void *arg, int cut)
     }
 }
 
-/* The profiles' search distance, mm. With few goals it exceeds the usual half radius, which may miss the place. */
+/* Returns a structure's search distance of profiles, mm; 0: the usual one, p->profile_mm. With few goals it is longer,
+ * since the structure may lie farther from its place. */
 static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
 {
     const smr_schedule *p = g->schedule;
@@ -45,12 +46,12 @@ static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
     const float lost = smr_clamp((SMR_MATCHED_WELL - share) / (SMR_MATCHED_WELL - SMR_MATCHED_BADLY), 0.0f, 1.0f);
     /* the distance falls with the schedule at the last radius only */
     const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
-    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* other structures lie beyond this distance */
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* farther away other structures may be found */
     const float far = smr_min(smr_min(most, p->lists.radius), half);
     return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
 }
 
-/* Adds a vertex' contrast and brightness, weighted by its profile's range over the noise. */
+/* Adds a vertex' contrast and brightness, weighted by its profile's range divided by the noise. */
 static void add_contrast(const smr_image_goals *g, smr_image_structure *view, uint32_t v)
 {
     const uint32_t *ranges = smr_at(g->shared->model, g->shared->model->at_ranges);
@@ -104,7 +105,7 @@ static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uin
     const smr_image_structure *view = &g->structure[structure];
     if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
         (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
-        return; /* weights of 0 smooth nothing */
+        return; /* too few vertices have a goal: sums stay 0, which smooths nothing */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
         const smr_vec a = smr_get3(g->shape->x, t[0]), b = smr_get3(g->shape->x, t[1]), c = smr_get3(g->shape->x, t[2]);

@@ -7,11 +7,11 @@
 #include "image/intensity_profile.h"
 #include "image/tangential_shift.h"
 
-#define SMR_LONG 16.0f       /* samples: a longer search uses every SMR_HOP-th sample */
+#define SMR_LONG 16.0f       /* search distance, in samples, above which only every SMR_HOP-th sample is used */
 #define SMR_HOP 2u           /* distance of the used samples in a long search */
-#define SMR_NOISE 0.1f       /* noise over the mean range of a structure's profiles */
+#define SMR_NOISE 0.1f       /* noise level, as a share of the mean range of a structure's profiles */
 #define SMR_SIDE_VOXELS 0.5f /* search radius of the shift along the surface, in mean voxels */
-#define SMR_SIDE_SHARE 0.25f /* the same radius over the search distance; the larger one is used */
+#define SMR_SIDE_SHARE 0.25f /* that radius as a share of the search distance; the larger radius is used */
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
@@ -57,7 +57,7 @@ void smr_image_keep(smr_image_goals *g, uint32_t v)
     g->brighter_next[v] = g->brighter[v];
 }
 
-/* The noise level of a structure, in units of intensity: SMR_NOISE of the mean range of its profiles. */
+/* Returns the noise level of a structure, intensity: SMR_NOISE of the mean range of its profiles. */
 static float noise_of(const smr_model *m, const smr_shape_structure *one)
 {
     const uint32_t *ranges = smr_at(m, m->at_ranges);
@@ -85,7 +85,7 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
     g->grid = *image;
     smr_image_goals_noise(g);
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
-        g->structure[k].gain = 1.0f; /* until the first goals are found */
+        g->structure[k].gain = 1.0f; /* contrast as in the profiles, until the first goals are found */
         g->structure[k].brighter = 0.0f;
     }
 }
@@ -141,7 +141,7 @@ static int varies(const float *line, uint32_t n)
 typedef struct search_line {
     smr_vec start, step;        /* first sample and vector from sample to sample, world mm */
     uint32_t reach, edge_reach; /* search range of profile and edge, samples to either side */
-    uint32_t before, n;         /* samples before the vertex; all samples, 0: no search */
+    uint32_t before, n;         /* number of samples before the vertex; number of all samples, 0: no search */
 } search_line;
 
 static search_line line_of(const smr_image_goals *g, uint32_t v, const reference_profile *r, float profile_mm)
@@ -200,7 +200,7 @@ static void sample_at(const reference_profile *r, const uint8_t *value, const se
     sample->reference.n = n;
 }
 
-/* Stores contrast (image over profile) and brightness (image minus profile) at the goal of v. */
+/* Stores contrast (image divided by profile) and brightness (image minus profile) at the goal of v. */
 static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, float noise)
 {
     const smr_profile *const reference = &sample->reference;
@@ -208,7 +208,7 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     for (uint32_t k = 0; k < reference->n; k++)
         more += sample->found[k] - reference->low - (float)sample->value[k] * (reference->range * (1.0f / 255.0f));
     const float steps = more / ((float)reference->n * noise);
-    if (!smr_within(steps, 1.0e6f)) /* not finite, or no intensity of an image */
+    if (!smr_within(steps, 1.0e6f)) /* not finite, or too large for the intensities of an image */
         return;
     const float contrast = smr_contrast(reference, sample->found) * (float)SMR_CONTRAST_ONE;
     g->contrast_next[v] = (uint8_t)smr_min(contrast + 0.5f, 255.0f);
@@ -264,7 +264,7 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    /* the profile in the image's brightness */
+    /* the reference profile, shifted to the image's brightness */
     const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n};
     const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
                                 c->image.blend == SMR_BLEND_PLAIN};

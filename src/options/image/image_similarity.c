@@ -8,10 +8,10 @@
 #include "options/image/image.h"
 
 #define SMR_BESIDE 6u       /* number of places beside the vertex */
-#define SMR_BESIDE_MM 12.0f /* distance between these places, mm */
-#define SMR_SLACK 2u        /* offsets to either side, in samples, of which the best counts */
+#define SMR_BESIDE_MM 12.0f /* distance between two of the places beside the vertex, mm */
+#define SMR_SLACK 2u        /* largest offset from a place, in samples: the best offset counts */
 
-/* Concordance of profile and samples, independent of brightness (as profile_match.c); -1 when it is not a number. */
+/* Returns the concordance (profile_match.c) of profile and samples, whatever their mean brightness; -1 for NaN. */
 static float concordance(const smr_profile *r, const float *line, float noise)
 {
     float a = 0.0f, b = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;

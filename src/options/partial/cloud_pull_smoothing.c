@@ -7,8 +7,8 @@
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
-#define SMR_ROUNDS_LEAST 2u   /* fewest rounds */
-#define SMR_ROUNDS_MAX 12u    /* most rounds */
+#define SMR_ROUNDS_LEAST 2u   /* fewest rounds of smoothing */
+#define SMR_ROUNDS_MAX 12u    /* most rounds of smoothing */
 #define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex that ends the rounds */
 
 static uint32_t round_tasks(const smr_point_spread *p)
@@ -39,7 +39,7 @@ static void take(smr_point_spread *p, uint32_t v)
     p->weight += pull[3];
 }
 
-/* Adds the pulls of a triangle's corners to each other's sums. */
+/* Adds the pull of each corner of a triangle to the sums of the other two corners. */
 static void add(const smr_point_spread *p, const uint32_t *t)
 {
     for (uint32_t c = 0; c < 3u; c++) {

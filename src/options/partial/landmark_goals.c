@@ -4,10 +4,10 @@
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
-#define SMR_MORE_SHARE 0.2f /* share of the residual that each iteration adds to a hard landmark's goal */
-#define SMR_MORE_MOST 0.1f  /* largest displacement of a hard landmark's goal over `reach` */
+#define SMR_MORE_SHARE 0.2f /* share of a hard landmark's residual that each iteration adds to the landmark's goal */
+#define SMR_MORE_MOST 0.1f  /* largest displacement of a hard landmark's goal, as a share of smr_landmark_goals.reach */
 
-/* A copy of a landmark in which all unused fields are 0. */
+/* Returns a copy of a landmark in which all unused fields are 0. */
 static smr_bound_landmark without_rest(const smr_bound_landmark *b)
 {
     smr_bound_landmark copy = *b;
@@ -64,7 +64,8 @@ void smr_landmark_goals_reset(smr_landmark_goals *g)
         g->landmark[k].more = smr_v(0, 0, 0);
 }
 
-/* Moves hard landmarks' goals by a share of their residuals (integral control): at the last radius, with clusters. */
+/* Moves hard landmarks' goals by a share of their residuals (integral control) at the last radius; not where clusters
+ * are single vertices. */
 void smr_landmark_goals_commit(smr_landmark_goals *g)
 {
     const float most = SMR_MORE_MOST * g->reach;

@@ -11,15 +11,15 @@
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-#define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
-#define SMR_FIELD_NORMAL 0.02f /* noise variance of a control along its normal over the field's variance */
+#define SMR_FIELD_LENGTH 0.4f  /* kernel length as a share of the diagonal of the model's box */
+#define SMR_FIELD_NORMAL 0.02f /* noise variance of a control along its normal, as a share of the field's variance */
 #define SMR_FIELD_STIFF 4.0f   /* noise added for large clusters: factor on (cluster radius / kernel length)^2 */
-#define SMR_FIELD_PART 8u      /* vertices for each control along a normal */
-#define SMR_FIELD_LEAST 4u     /* fewest controls: fewer vertices give no field, fewer landmarks no scale */
+#define SMR_FIELD_PART 8u      /* vertices of the model for each control along a normal above SMR_CONTROLS of them */
+#define SMR_FIELD_LEAST 4u     /* fewest controls: fewer vertices give no field; with fewer landmarks the scale is 1 */
 #define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
-#define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark over the field's variance */
+#define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark, as a share of the field's variance */
 
-/* State of choosing controls, in the memory of the factor. */
+/* State of the choice of controls, in the memory of the factor. */
 typedef struct smr_choice {
     uint32_t control[SMR_FIELD_ROWS]; /* stored vertices that are controls */
     uint32_t n;                       /* number of controls so far */
@@ -28,7 +28,7 @@ typedef struct smr_choice {
 
 _Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "the choice lies over the factor");
 
-/* The most controls. Along normals it depends on the model, so that the memory of sums need not grow. */
+/* Returns the largest number of controls. Along normals it depends on the model, so that the sums' memory suffices. */
 static uint32_t most_of(const smr_shared *shared)
 {
     const uint32_t n_landmarks = shared->config.partial.n_landmarks;
@@ -83,7 +83,7 @@ static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
     return f->found[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
 }
 
-/* Returns 1 when visible vertices must be counted; otherwise targets have the count. */
+/* Returns 1 when the field must count visible vertices; otherwise smr_target.n_visible has their number. */
 static int counts(const smr_occluded_field *f) { return f->landmarks->n > 0u || smr_field_of_image(f); }
 
 static smr_choice *choice(const smr_occluded_field *f) { return (smr_choice *)(void *)f->lower; }
@@ -228,7 +228,7 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
     return smr_sub(to, x);
 }
 
-/* The mean of a and b, where b has the weight t, 0..1. */
+/* Returns the mean of a and b, where b has the weight t, 0..1. */
 static smr_vec mix(smr_vec a, smr_vec b, float t) { return smr_add(smr_scale(a, 1.0f - t), smr_scale(b, t)); }
 
 float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
@@ -240,7 +240,7 @@ float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
     return share;
 }
 
-/* The part of a displacement along the surface. */
+/* Returns the part of a displacement of v along the surface, mm. */
 static smr_vec along(const smr_occluded_field *f, uint32_t v, smr_vec displacement)
 {
     const smr_vec normal = smr_get3(f->shape->normal, v);
@@ -276,7 +276,7 @@ void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_
         *displacement = mix(*displacement, smr_occluded_field_displacement(f, v), hard);
 }
 
-/* The smallest squared distance at the start to controls first .. last - 1, mm^2. */
+/* Returns the smallest squared distance from `at` to the start positions of controls first .. last - 1, mm^2. */
 static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, uint32_t last)
 {
     float least = SMR_FAR;

@@ -12,16 +12,16 @@
 #define SMR_ROUGH_CHUNK 4u     /* rows of the factor in a task */
 #define SMR_ROUGH_ROWS 96u     /* most controls from which the likelihood is computed */
 #define SMR_ROUGH_LEAST 32u    /* fewest controls: with fewer of them the deformation counts as smooth */
-#define SMR_ROUGH_LENGTH 0.15f /* length of the short term over the kernel's length */
-#define SMR_ROUGH_NOISE 0.1f   /* noise variance of a control over the short term's variance */
-#define SMR_ROUGH_MOTION 20.0f /* variance of the motions over the short term's variance */
+#define SMR_ROUGH_LENGTH 0.15f /* length of the short term, as a share of the kernel's length */
+#define SMR_ROUGH_NOISE 0.1f   /* noise variance that the short term adds to a control, as a share of its variance */
+#define SMR_ROUGH_MOTION 20.0f /* variance of the motions, as a multiple of the short term's variance */
 #define SMR_ROUGH_SURE 8.0f    /* twice the binary log-likelihood that a rough kernel must gain: odds of 16 */
 #define SMR_LOG_MIDDLE 1.41421356f
-#define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2 */
+#define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2: first coefficient of the series in log_two() */
 
 _Static_assert(SMR_TRY_TASKS *SMR_ROUGH_CHUNK == SMR_ROUGH_ROWS, "each row has its task");
 
-/* The tried variances of the short term over the variance of the long term. */
+/* The tried variances of the short term, as shares of the long term's variance. */
 static const float roughness[SMR_FIELD_TRIES] = {0.0f, 0.1f, 0.3f};
 
 float *smr_field_start(const smr_occluded_field *f)
@@ -31,7 +31,7 @@ float *smr_field_start(const smr_occluded_field *f)
     return f->schedule->tracking ? f->shape->track_rest_x : f->shape->start;
 }
 
-/* The covariance of the field at positions a and b, over its variance. */
+/* Returns the covariance of the field at positions a and b, divided by the field's variance. */
 static float kernel(const smr_occluded_field *f, smr_vec a, smr_vec b)
 {
     const smr_vec d = smr_sub(a, b);
@@ -97,7 +97,7 @@ static float log_two(float x)
     return whole + 0.5f + SMR_LOG_SCALE * z * (1.0f + q * (1.0f / 3.0f + q * (1.0f / 5.0f + q * (1.0f / 7.0f))));
 }
 
-/* Sets the short term's variance over that of the long term, and what follows from it. */
+/* Sets the short term's variance, a share of the long term's, and all values that follow from it. */
 static void take(smr_occluded_field *f, float rough)
 {
     f->rough = rough;

@@ -12,13 +12,13 @@
 #include "options/partial/partial.h"
 
 #define SMR_GOLDEN 2654435769u /* 2^32 times the golden ratio's fractional part: its multiples spread evenly */
-#define SMR_FIELD_TURN 3u      /* positions in the order of vertices by which each iteration starts later */
-#define SMR_FIELD_SHEET 0.5f   /* a sheet's least norm of the sum of area vectors over the area */
-#define SMR_FIELD_FAR 1.0e7f   /* mm: above all legal coordinates */
-#define SMR_TURN_MOST 0.1f     /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+#define SMR_FIELD_TURN 3u      /* each iteration starts this many positions later in the order of vertices */
+#define SMR_FIELD_SHEET 0.5f   /* a sheet: least length of the sum of its area vectors, as a share of its area */
+#define SMR_FIELD_FAR 1.0e7f   /* mm: above all legal coordinates; larger results are discarded */
+#define SMR_TURN_MOST 0.1f     /* smallest divisor of Cayley's parameter (4 without a turn), near half a turn */
 #define SMR_SIZE_MOST 2.0f     /* largest factor by which one step changes the size */
 
-/* Landmarks, images and a sheet's borders determine positions. A closed target not yet covered counts as whole. */
+/* 0: landmarks, images or a sheet's borders determine positions. A closed target not yet covered counts as whole. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f)
 {
     uint32_t open = 0;
@@ -58,7 +58,7 @@ float smr_field_normals_step(const smr_occluded_field *f)
     return smr_at_last_radius(f->shared, f->schedule) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
 }
 
-/* The displacements along control k's normal by each unit motion. */
+/* Returns the displacements along control k's normal by each unit motion: [SMR_FIELD_MOTIONS]. */
 static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
 
 /* Twice the sum of a structure's area vectors at rest. Adds twice its area to *area. */
@@ -91,7 +91,7 @@ static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIO
     return sum;
 }
 
-/* Computes the motions from the pose to the start; while targets are tracked, only the change of size. */
+/* Computes f->back, the motions from the pose to the start; while targets are tracked, only the change of size. */
 static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
 {
     const smr_pose *p = &f->pose;

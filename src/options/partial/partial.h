@@ -33,7 +33,7 @@ void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *t
 void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight);
 /* The visibility of vertex v, 0..1; 1 for any goal on a whole target. */
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
-/* 1 when little of the vertex' structure is visible, 0 when nearly all of it is; continuous. */
+/* Returns 1 when little of the structure of v is visible, 0 when nearly all of it is, and values between. */
 float smr_visibility_partial(const smr_surface_goals *g, uint32_t v);
 void smr_visibility_commit(smr_surface_goals *g);    /* called when the current forces are complete */
 void smr_visibility_note_view(smr_surface_goals *g); /* called when it is known whether targets have jumped */
@@ -97,7 +97,7 @@ smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz);
 smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k);
 /* The goal of the foot of landmark k, mm from the shape's origin, without `more`. */
 smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k);
-/* Weight of landmark k at vertex v: 1 at its triangle's corners, 0 from the start distance `reach` on. */
+/* Weight of landmark k at vertex v: 1 at its triangle's corners, 0 at `reach` or farther in the start positions. */
 float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v);
 int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v); /* 1: a landmark is bound to vertex v */
 
@@ -110,17 +110,17 @@ static inline float smr_wendland(float distance)
 
 /* ---- the field of occluded vertices ---- */
 
-#define SMR_CONTROLS 64u          /* most controls that are known in space */
-#define SMR_FIELD_ROWS 192u       /* most controls that are known along their normals, without landmarks */
+#define SMR_CONTROLS 64u          /* most controls whose displacement is known in all three directions */
+#define SMR_FIELD_ROWS 192u       /* most controls whose displacement is known only along their normals */
 #define SMR_FIELD_MOTIONS 7u      /* motions of a similarity: three shifts, three turns, one scale */
-#define SMR_FIELD_TRIES 3u        /* tried values of roughness */
-#define SMR_TRY_TASKS 24u         /* tasks of each try */
-#define SMR_FIELD_NOISE 0.003f    /* noise variance of a control over the field's variance */
-#define SMR_FIELD_ROUNDED 1.0e-5f /* rounding error of a sum of SMR_FIELD_ROWS products, over the variance */
-#define SMR_FIELD_STEP 0.8f       /* share of the field's displacement in an iteration, with controls along normals */
-#define SMR_FIELD_FOLLOW 0.35f    /* the same share while targets are tracked: new ones lack closest triangles */
-#define SMR_FIELD_MEAN 0.1f       /* the same share at the last radius: averages over controls of several iterations */
-#define SMR_MOTION_VARIANCE 8.0f  /* variance of the motions over the field's; turns and scale at a kernel length */
+#define SMR_FIELD_TRIES 3u        /* number of tried roughnesses: shares of the kernel's short term */
+#define SMR_TRY_TASKS 24u         /* tasks of each tried roughness */
+#define SMR_FIELD_NOISE 0.003f    /* noise variance of a control, as a share of the field's variance */
+#define SMR_FIELD_ROUNDED 1.0e-5f /* rounding error of a sum of SMR_FIELD_ROWS products, as a share of the variance */
+#define SMR_FIELD_STEP 0.8f      /* share of the field's displacement that an iteration takes, controls along normals */
+#define SMR_FIELD_FOLLOW 0.35f   /* SMR_FIELD_STEP while targets are tracked: new ones lack closest triangles */
+#define SMR_FIELD_MEAN 0.1f      /* SMR_FIELD_STEP at the last radius: averages over controls of several iterations */
+#define SMR_MOTION_VARIANCE 8.0f /* variance of motions / variance of the field; turns, scale at one kernel length */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 
 typedef struct smr_occluded_field {
@@ -137,8 +137,8 @@ typedef struct smr_occluded_field {
     float *lower;              /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; at first the chosen controls */
     float *noise_variance;     /* [most] noise variance of each control */
     float *motion;             /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion */
-    float *whitened; /* [most] residual i given the residuals before, over its deviation, in the current try */
-    float *residual; /* [most] residual along the normal, goal minus posed start, mm; then coefficients */
+    float *whitened;           /* [most] residual i given those before, in standard deviations, in the current try */
+    float *residual; /* [most] residual along the normal, goal minus start in the pose, mm; then coefficients */
     float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; then from the pose to the fitted place */
     smr_vec middle;                /* centre of turns and scale, mm */
     uint32_t sheet;                /* 1: the model is a sheet: only its borders determine its size */
@@ -146,10 +146,10 @@ typedef struct smr_occluded_field {
     uint32_t n;                    /* controls in use, landmarks first; 0: no field */
     smr_pose pose;                 /* rigid pose from start to present positions of the controls */
     float per_length2;             /* 1 / l^2 of the kernel length l, 1 / mm^2 */
-    float rough, per_rough2;       /* short term of the kernel: variance, 0: none; 1 / l^2 of its length l, 1 / mm^2 */
-    float motion_variance;         /* variance of the motions over the field's variance */
+    float rough, per_rough2;       /* kernel's short term: variance, 0: no short term; 1 / l^2 of length l, 1 / mm^2 */
+    float motion_variance;         /* variance of the motions divided by the field's variance */
     float rough_noise;             /* noise variance that the short term adds to each control */
-    float likelihood;              /* largest likelihood so far */
+    float likelihood;              /* largest log-likelihood of a roughness so far */
     uint32_t likeliest;            /* index of the roughness with this likelihood */
     float square, log; /* sums of the current try: of whitened residuals squared; of the factor's logarithms */
 } smr_occluded_field;
@@ -228,9 +228,9 @@ float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v);
 /* Averages a displacement with the field by the weight of hard landmarks. */
 void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_vec *displacement);
 
-/* Solves the field of landmarks alone. Returns the variance along an axis, mm^2; below 0: too few landmarks. */
+/* Solves the field of landmarks alone. Returns the field's variance along an axis, mm^2; below 0: too few landmarks. */
 float smr_landmark_field_solve(smr_occluded_field *f);
-/* The share of the field's variance that landmarks leave at a vertex. */
+/* Returns the variance at a vertex given the landmarks, as a share of the field's variance. */
 float smr_landmark_field_left(const smr_occluded_field *f, uint32_t v);
 
 #endif

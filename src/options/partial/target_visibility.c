@@ -9,15 +9,15 @@
 #include "options/partial/partial.h"
 
 #define SMR_VISIBLE_WHOLE 0.9f   /* share of visible vertices at or above which a closed target counts as whole */
-#define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which it counts as a part */
+#define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which a closed target counts as a part */
 #define SMR_VISIBLE_COS 0.6f     /* cosine between normals at or above which they agree fully */
-#define SMR_VISIBLE_STEADY 8u    /* smaller changes of a visibility are ignored, so that goals and weights converge */
-#define SMR_OFF_EDGES 0.5f       /* tolerance in mean edge lengths; the tolerance in cluster radii is added */
+#define SMR_VISIBLE_STEADY 8u    /* of 255: smaller changes of a visibility are ignored, so that goals converge */
+#define SMR_OFF_EDGES 0.5f       /* tolerance of goals, in mean edge lengths; SMR_OFF_RADII is added */
 #define SMR_OFF_RADII 0.1f       /* tolerance in cluster radii: a goal this far beyond a border has no weight */
 #define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance, mm */
-#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points over the distance between them */
+#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points, as a share of the distance between them */
 #define SMR_MUTUAL_NONE 1.5f     /* a goal that is off by this many tolerances has no weight; half of the weight at 1 */
-#define SMR_POINTS_FULL 0.22f    /* weight of points at a fully visible vertex over the mean weight */
+#define SMR_POINTS_FULL 0.22f    /* least weight of points at a fully visible vertex, as a share of the mean weight */
 
 /* Returns 1 when the target is a cloud of points. */
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
@@ -121,7 +121,7 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
 }
 
-/* The tolerance of closest points, mm, which is larger while clusters are large. */
+/* Returns the tolerance of closest points, mm, which is larger while clusters are large. */
 static float tolerance_of(const smr_surface_goals *g)
 {
     const float edge = smr_le_float(g->shared->model->edge_mm);

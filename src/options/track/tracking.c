@@ -9,15 +9,15 @@
 #include "options/track/track.h"
 #include "registration/schedule_radius.h"
 
-#define SMR_TRACK_REACH 12.0f /* radius over the largest mean distance of goals that is no jump */
-#define SMR_TRACK_SOUGHT 0.5f /* largest mean distance of image goals that is no jump, over the search distance */
-#define SMR_TRACK_FEWER 0.8f  /* share of vertices with goals over the share before: with less, half the reach counts */
-#define SMR_TRACK_LOST 0.9f   /* the same share in an image, where vertices out of reach may find a wrong goal nearby */
-#define SMR_TRACK_NARROWING 0.5f /* share of a target's iterations in which search distances in an image fall */
+#define SMR_TRACK_REACH 12.0f    /* cluster radius / largest mean distance of goals that is no jump */
+#define SMR_TRACK_SOUGHT 0.5f    /* largest mean distance of image goals that is no jump, as a share of the search's */
+#define SMR_TRACK_FEWER 0.8f     /* share of vertices with goals / the last share: if lower, half the reach counts */
+#define SMR_TRACK_LOST 0.9f      /* that ratio in an image, where vertices out of reach may find a wrong goal nearby */
+#define SMR_TRACK_NARROWING 0.5f /* first share of a target's iterations, in which search distances in an image fall */
 #define SMR_TRACK_COARSE 24u     /* iterations at all coarser radii together after a jump */
 #define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum after a jump: more of it oscillates */
 #define SMR_TRACK_STEADY 0.6f    /* largest momentum for clouds beside an image: points attract faster than a surface */
-#define SMR_TRACK_GAIN 3.0f      /* largest factor on forces at coarser radii */
+#define SMR_TRACK_GAIN 3.0f      /* largest factor on forces at coarser radii after a jump */
 
 void smr_tracking_momentum(smr *s)
 {
@@ -29,7 +29,7 @@ void smr_tracking_momentum(smr *s)
     s->schedule.momentum = smr_min(configured, most);
 }
 
-/* Starts iterations at a radius. */
+/* Starts iterations at the radius with this index. */
 static void go_to(smr *s, uint32_t radius)
 {
     smr_radius_go(s, radius);
@@ -91,7 +91,7 @@ void smr_tracking_end(smr *s)
     s->schedule.found = 0.0f;
 }
 
-/* The factor on forces at coarser radii, where vertices without a goal hold large clusters back. */
+/* Returns the factor on forces: above 1 at coarser radii, where vertices without a goal hold large clusters back. */
 static float gain_of(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -123,7 +123,7 @@ static float share_without_image(const smr *s)
     return n_with_target > 0u ? smr_min((float)n_found / (float)n_with_target, 1.0f) : 0.0f;
 }
 
-/* Updates the age of the image, which is outdated from a change of other targets after its use to the next image. */
+/* Updates the age of the image. An image that was used is outdated once other targets change, until the next image. */
 static void note_age(smr *s)
 {
     const int others = s->forces.surface.n_goals > 0u || s->forces.landmarks.n > 0u;
@@ -182,7 +182,7 @@ static float reach_mm(const smr *s)
     return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->schedule.profile_mm) : reach;
 }
 
-/* Decides in the first iteration with new targets. After the jump of a partial view fewer and nearer goals remain. */
+/* Decides in the first iteration with new targets. When a partial view jumps, fewer and nearer goals remain. */
 void smr_tracking_find_jump(smr *s)
 {
     const float mean = s->forces.totals.mean, reach = reach_mm(s);
@@ -193,7 +193,7 @@ void smr_tracking_find_jump(smr *s)
     s->schedule.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
 }
 
-/* Chooses the next radius after a jump, from coarse to fine, while targets have goals. */
+/* After a jump: goes to the first radius, and after enough iterations to the next one, up to that of tracking. */
 static void recover(smr *s)
 {
     const uint32_t at = s->schedule.radius, to = smr_radius_after(s), first = s->shared.config.schedule.radius_first;

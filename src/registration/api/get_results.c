@@ -60,7 +60,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     if (status != SMR_OK)
         return status;
     if (s->n_awaited > 0u)
-        return SMR_E_STATE; /* its target is unknown */
+        return SMR_E_STATE; /* awaited inputs are not set: the structure's target is unknown */
     const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_target *target = &s->forces.surface.target[structure];
     float moved_sum = 0.0f;

@@ -66,7 +66,7 @@ smr *smr_layout(smr_arena *a, smr *s)
     return self;
 }
 
-/* Sets the pointers of the sources of goals, besides shared, schedule and shape. */
+/* Sets the pointers of the sources of goals to all that they read, except shared, schedule and shape. */
 static void wire_sources(smr_forces *f, const smr_overlay *overlay)
 {
     f->image.found = f->found_last;

@@ -1,12 +1,12 @@
 /* restore.c: restores a registration from saved bytes, all of which are checked before anything is written.
- * Bounds: two passes over the bytes; those of smr_init().
+ * Bounds: two passes over the bytes; the bounds of smr_init().
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 #include "registration/config/config.h"
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 
-/* Number of bytes before the saved values; 0 when lengths disagree or the bytes are damaged. */
+/* Returns the number of bytes before the saved values; 0 when lengths disagree or the bytes are damaged. */
 static size_t values_at(const unsigned char *saved, size_t bytes)
 {
     if (bytes < SMR_SAVED_FIXED + 4u || word_of(saved, SMR_SAVED_AT_MAGIC) != SMR_SAVED_MAGIC ||

@@ -8,7 +8,7 @@
 /* An awaited input. The list holds: the surface of each structure, the image, the caller's goals of each structure, the
  * caller's force (checksum 1), the fixed surfaces. */
 typedef struct awaited {
-    uint32_t like;        /* the first structure with the same surface; SMR_NONE: no surface */
+    uint32_t like;        /* the first structure with the surface of this structure; SMR_NONE: no surface */
     uint32_t checksum[2]; /* low and high word of the checksum; 0: nothing is awaited */
 } awaited;
 
@@ -46,7 +46,7 @@ static awaited present(const smr *s, uint32_t i)
     return w;
 }
 
-/* Returns 1 when the saved entry of structure i agrees with the entries before. first: first byte of the list. */
+/* Returns 1 when the saved entry of structure i agrees with the entries before. first: offset of the list. */
 static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint32_t i)
 {
     const int known = (w->checksum[0] | w->checksum[1]) != 0u;

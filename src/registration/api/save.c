@@ -1,6 +1,6 @@
 /* save.c: saves a registration between two iterations into the caller's memory: the slots that smr_layout() lists, log,
  * schedule, report, and checksums of the inputs. Values that follow from the model, the inputs or the next iteration
- * are not saved; costs of steps are learnt again.
+ * are not saved; the time budget learns the costs of steps again.
  * Bounds: one pass over all slots, and one over each input.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
@@ -89,7 +89,7 @@ void smr_go_over(smr *s, smr_keeper *k)
     (void)smr_layout(&a, s);
 }
 
-/* Goes over all slots and fields of a copy of s that shares the arrays of s; does not change s. */
+/* Counts, checks or writes all slots and fields of a copy of s that shares the arrays of s; does not change s. */
 static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes)
 {
     smr copy = *s;
@@ -117,7 +117,7 @@ smr_status smr_save(const smr *s, void *memory, size_t bytes)
         return status;
     if (!smr_ready(s) || s->refused || s->forces.caller.broken || s->step != 0u || s->next_task != 0u ||
         !smr_can_wait(&s->shared) || !smr_inputs_valid(&s->forces))
-        return SMR_E_STATE; /* only between iterations, when all inputs can still be read */
+        return SMR_E_STATE; /* saves only between iterations, when all inputs can still be read */
     if (bytes < needed || needed > UINT32_MAX)
         return SMR_E_ARENA;
     const smr_keeper k = go_over(s, SMR_KEEP_SAVE, to, needed - 4u);

@@ -1,5 +1,5 @@
 /* set_image.c: sets the target image.
- * Bounds: those of a start.
+ * Bounds: those of a start of the schedule.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 

@@ -48,7 +48,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
         if (velocity != NULL)
             smr_put3(d->velocity, v, smr_get3(velocity, i));
     }
-    d->weighed |= other && s->schedule.iteration > 0u; /* before the first iteration all vertices are at rest */
+    d->weighed |= other && s->schedule.iteration > 0u; /* new masses; before the first iteration there is no energy */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
     smr_log_note(&s->log, SMR_LOG_MOTION, structure, &motion, one->n_vertices);
@@ -82,7 +82,7 @@ static void add_vertex(const smr *s, uint32_t v, moments *sum)
     sum->first = smr_add(sum->first, smr_scale(x, mass));
 }
 
-/* Sums over each chunk, then over all chunks, which keeps rounding small. */
+/* Returns the sums over all vertices. Sums over each chunk, then over all chunks, keep rounding small. */
 static moments moments_of(const smr *s)
 {
     moments all = {0};

@@ -57,7 +57,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
             return SMR_E_INPUT;
     const smr_vec centre = smr_model_centre(s->shared.model);
     const smr_vec moved = smr_pose_apply(pose, centre);
-    const float border = SMR_COORD_MAX + 1.0f; /* rounding may take the rest shape a little beyond */
+    const float border = SMR_COORD_MAX + 1.0f; /* mm: rounding may move the rest shape a little beyond SMR_COORD_MAX */
     if (!smr_within3(moved, border))
         return SMR_E_INPUT;
     for (uint32_t v = 0; v < s->shared.n; v++)

@@ -14,8 +14,8 @@ void smr_wire(smr *s); /* sets the pointers of each stage to what the stage read
 
 /* Lists distinct targets and tasks of their search. goal may be NULL. Returns the needed entries of target_warm. */
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks);
-void smr_take_goals(smr_surface_goals *g); /* lists the targets into g; counts clouds and their points */
-/* stores size and checksum of the target of structures first .. last - 1 */
+void smr_take_goals(smr_surface_goals *g); /* lists the distinct targets in g->goal; counts clouds and their points */
+/* stores size and checksum of the target that structures first .. last - 1 share */
 void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last);
 /* copies size and checksum of the target of structure `other` */
 void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
@@ -32,9 +32,9 @@ static inline smr_status smr_settable(const smr *s, int built, int legal)
     return legal && smr_changeable(s) ? SMR_OK : SMR_E_STATE;
 }
 
-/* Marks measures as outdated. An iteration whose forces are not complete starts the forces again; otherwise it ends
- * with the old goals. Discards all results of searches, since a replay does not know how far the searches had come.
- * changed: as in smr_tracking_changed(). */
+/* Marks measures as outdated, for a new input, and discards results of searches, since a replay does not know how far
+ * they had come. An iteration whose forces are not complete starts the forces again; any other one ends with the old
+ * goals. changed: as in smr_tracking_changed(). */
 static inline void smr_restart_forces(smr *s, uint32_t changed)
 {
     smr_surface_goals *g = &s->forces.surface;
@@ -75,6 +75,6 @@ int smr_awaits_log(const smr_log *log); /* 1: the log's memory is awaited */
 /* Takes an awaited input; kind, number and what as in smr_log_note(), a smr_caller_force for FORCE. Errors: E_INPUT,
  * E_STATE (NULL), E_ARENA; as smr_set_...(). */
 smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what);
-smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* NULL: recording ends. E_ARENA, E_LOG (another log) */
+smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* NULL ends recording. Errors: E_ARENA, E_LOG */
 
 #endif

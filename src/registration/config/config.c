@@ -3,7 +3,7 @@
 #include "base/settings.h"
 #include "registration/config/config.h"
 
-#define SMR_PAPER_ITERATIONS 120u /* reproduces the paper's figures; the paper gives no number */
+#define SMR_PAPER_ITERATIONS 120u /* iterations of a radius, as in the paper's figures; the paper gives no number */
 
 smr_config smr_config_default(void)
 {
@@ -66,7 +66,7 @@ smr_config smr_config_paper(void)
     return config;
 }
 
-/* The range of a setting. */
+/* The range of legal values of a setting. */
 typedef struct range {
     uint16_t offset;         /* offset in smr_config, bytes */
     uint8_t is_number, ends; /* 1: float, 0: uint32_t; SMR_ENDS_... */
@@ -162,7 +162,7 @@ const char *smr_built_without(void)
 
 #define SMR_DIFFERS(group) (memcmp(&own.group, &standard.group, sizeof own.group) != 0)
 
-/* A build without partial targets takes all targets as whole. */
+/* Whole targets need no capability: a build without partial targets takes all targets as whole. */
 int smr_config_left_out(const smr_config *c)
 {
     const smr_config standard = smr_config_default();

@@ -6,7 +6,7 @@
 
 #include "registration/match/cluster_match.h"
 
-#define SMR_LIMITED_FULL 255.0f /* value of `limited` for a step that was removed */
+#define SMR_LIMITED_FULL 255.0f /* value of smr_tangent_smooth.limited for a step that was removed */
 
 typedef struct smr_tangent_smooth {
     const smr_shared *shared;
@@ -14,7 +14,7 @@ typedef struct smr_tangent_smooth {
     const smr_shape *shape;
     const smr_surface_goals *goals;
     smr_rings rings;
-    float share;      /* share of the displacement to the mesh neighbours' mean in this iteration; 0: off */
+    float share;      /* share of the displacement to the mesh neighbours' mean in this iteration; 0: no smoothing */
     uint8_t *limited; /* [n] largest share of a step removed by fold limits at the last radius, 1 / SMR_LIMITED_FULL */
 } smr_tangent_smooth;
 
@@ -47,7 +47,7 @@ uint32_t smr_tangent_tasks(const void *tangent_smooth);
 void smr_tangent_clear(void *tangent_smooth, uint32_t task, uint32_t worker);
 uint32_t smr_tangent_sum_tasks(const void *tangent_smooth);
 void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* tasks run one after the other */
-smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);  /* mm; valid until the fold steps */
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);  /* of v, mm; valid until the fold steps */
 
 /* Notes that a fold step removed this share of the step of vertex v. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
@@ -56,7 +56,7 @@ static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float sh
         e->limited[v] = (uint8_t)smr_max_u32(e->limited[v], (uint32_t)(share * SMR_LIMITED_FULL + 0.5f));
 }
 
-/* Vertex normals computed from triangles, where they are due. */
+/* Step: vertex normals from triangles, in iterations with normals_due; 0 tasks in others. */
 uint32_t smr_exact_normals_tasks(const void *evolve);
 void smr_exact_normals_clear(void *evolve, uint32_t task, uint32_t worker);
 uint32_t smr_exact_normals_sum_tasks(const void *evolve);

@@ -1,7 +1,7 @@
 /* tangential_smoothing.c: smooths displacements along the surface at the last radius, where nothing else determines the
  * place of a vertex on the surface: clusters are single vertices, and forces are normal to the target. Differences in
- * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. x moves tangentially
- * towards the mean displacement of the mesh neighbours. The share falls to 0 at the end, and where fold limits act.
+ * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. A vertex moves along the
+ * surface towards its mesh neighbours' mean displacement, by a share that falls to 0 at the end, and at fold limits.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"

@@ -8,9 +8,9 @@
 #include "registration/folds/folds.h"
 
 #define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that an edge may use in an iteration */
-#define SMR_LIMIT_ROOM 0.05f   /* an edge whose cosine is nearer to its limit creeps */
+#define SMR_LIMIT_ROOM 0.05f   /* distance of a cosine to its limit below which the edge creeps: moves by small steps */
 #define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
-#define SMR_LIMIT_LEFT 0.05f   /* largest change over the distance to the limit, which is thus never reached */
+#define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit: never reached */
 #define SMR_LOOK_CHUNK 64u     /* dihedral edges of a task: each needs the normals of two triangles, twice */
 #define SMR_SOFT_ROUNDS 20u    /* rounds of requests */
 #define SMR_HALVINGS 3u        /* rounds that halve steps; later rounds remove steps */
@@ -24,7 +24,7 @@ float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, flo
 {
     const float limit = smr_edge_limit(h), near = limit + SMR_LIMIT_ROOM;
     if (!(next < 1.0f - SMR_LIMIT_SHARE * (1.0f - near)))
-        return 0.0f; /* even a flat edge would stay within its share */
+        return 0.0f; /* no limit: the next cosine stays within the edge's share of the margin, even from a flat edge */
     const float now = smr_dihedral_cosine(f, f->shape->x, h);
     const float creep = smr_min(SMR_LIMIT_CREEP, SMR_LIMIT_LEFT * smr_abs(now - limit));
     const float may = SMR_LIMIT_SHARE * smr_positive(now - near) + creep;
@@ -75,7 +75,7 @@ static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
     f->folding[smr_model_owner(f->shared->model, corner[0])] = 1;
 }
 
-/* Multiplies the steps of an edge's corners by `keep`. */
+/* Multiplies the steps of an edge's corners by `keep`, 0..1. */
 static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
 {
     uint32_t corner[4];

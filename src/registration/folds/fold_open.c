@@ -11,8 +11,8 @@
 #define SMR_OPEN_PASSES 16u    /* most passes in an iteration */
 #define SMR_OPEN_CHUNK 64u     /* dihedral edges of a task */
 #define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
-#define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, over the length of the shortest edge */
-#define SMR_AREA_FLOOR 1.0e-6f /* twice the area of the smallest triangle that has a normal, mm^2 */
+#define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, as a share of the shortest edge */
+#define SMR_AREA_FLOOR 1.0e-6f /* mm^2: twice the area of the smallest triangle that has a normal */
 
 void smr_fold_open_start(smr_folds *f)
 {
@@ -81,7 +81,7 @@ static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosi
         largest2 = smr_max(largest2, smr_dot(gradient[c], gradient[c]));
     }
     if (!(square > 0.0f))
-        return; /* fully folded: all directions are equal */
+        return; /* the edge is fully folded: no direction opens it sooner than another */
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
@@ -111,7 +111,7 @@ static void open_chunk(smr_folds *f, uint32_t chunk)
     }
 }
 
-/* Step: one chunk. The next pass needs the positions of this pass. */
+/* Step: opens the folds of one chunk. The next pass needs the positions of this pass. */
 void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
-#define SMR_EDGE_FLOOR 1.0e-3f /* added to edge lengths in divisors, mm */
+#define SMR_EDGE_FLOOR 1.0e-3f /* mm: added to edge lengths in divisors */
 #define SMR_REPAIR_SWEEPS 10u  /* sweeps for each ring of the patch */
 #define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
@@ -113,11 +113,11 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
             continue;
         const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
         smr_put3(f->shape->x_next, v, smr_add(smr_rest_posed(f->shape, v), mean));
-        clear_ring(f, v); /* for the next sweep */
+        clear_ring(f, v); /* the next sweep sums again */
     }
 }
 
-/* Number of rings of the patch in this iteration. */
+/* Returns the number of rings of the patch in this iteration. */
 static uint32_t rings_of(const smr_folds *f) { return 1u + f->schedule->repairing / SMR_REPAIR_WIDEN; }
 
 static void next_structure(smr_folds *f)

@@ -11,7 +11,7 @@
 #define SMR_DIHEDRAL_CHUNK 1024u /* dihedral edges of a task of fold_find.c */
 #define SMR_RUNS 2048u           /* most runs of triangles; a run is tested or skipped as a whole */
 #define SMR_FOLD_COS 0.001f /* cosine below which an edge that is open at rest is folded; above 0 because of rounding */
-#define SMR_LIMIT_BELOW 0.31f /* largest cosine that is tested; limits are 0.02 at most */
+#define SMR_LIMIT_BELOW 0.31f /* next cosines above this need no limit; an edge's limit is 0.02 at most */
 
 /* Progress of a pass over dihedral edges, triangles or vertices. Each task of the step is a piece of a pass. */
 typedef struct smr_fold_pass {
@@ -77,7 +77,7 @@ uint32_t smr_fold_find_tasks(const void *folds);
 void smr_fold_find(void *folds, uint32_t task, uint32_t worker);
 void smr_fold_find_end(smr_folds *f); /* starts the steps below that are needed */
 
-/* Tasks run one after the other. While work is left, the number of tasks is one more than the completed tasks. */
+/* Steps; their tasks run one after the other. While work is left, a step has one task more than it has completed. */
 uint32_t smr_fold_repair_tasks(const void *folds);
 void smr_fold_repair_pass(void *folds, uint32_t task, uint32_t worker);
 uint32_t smr_fold_limit_tasks(const void *folds);
@@ -108,8 +108,8 @@ static inline const smr_stored_dihedral *smr_edge_at(const smr_folds *f, uint32_
     return (const smr_stored_dihedral *)smr_at(f->shared->model, f->shared->model->at_dihedrals) + i;
 }
 
-/* Second triangle of a dihedral edge; cosine below which the edge is folded; 1: the edge is open in the rest shape: its
- * triangles do not face away from each other. */
+/* Return an edge's second triangle; the cosine below which the edge is folded; 1 when the edge is open in the rest
+ * shape: its triangles do not face away from each other. */
 static inline uint32_t smr_edge_second(const smr_stored_dihedral *h) { return smr_le32(h->bend) & SMR_DIHEDRAL_MASK; }
 static inline float smr_edge_limit(const smr_stored_dihedral *h) { return smr_dihedral_limit(smr_le32(h->bend)); }
 static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_limit(h) > SMR_DIHEDRAL_OPEN; }

@@ -6,7 +6,7 @@
 
 #define SMR_OUTPUT_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 
-/* Computes the checksum of the force's output. */
+/* Computes the checksum of what the caller's force returned for all active vertices. */
 static void stand(smr_caller_goals *g)
 {
     g->summed = g->force != NULL;
@@ -46,7 +46,7 @@ static int keep(smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
     return good;
 }
 
-/* Returns 1 when the stored output equals the chunk's. */
+/* Returns 1 when the stored output of the first call equals that of this second call. */
 static int same(const smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
 {
     int alike = 1;

@@ -6,7 +6,7 @@
 
 #include "registration/shape/deformed_shape.h"
 
-#define SMR_CALLER_CHUNK 32u      /* vertices of a call */
+#define SMR_CALLER_CHUNK 32u      /* vertices of one call of the caller's force */
 #define SMR_CALLER_WEIGHT 1000.0f /* largest weight of a goal */
 
 struct smr_caller_goals;
@@ -16,13 +16,13 @@ typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task); /* calls the caller's force for a chunk of vertices */
     /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of the weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
-    void (*stand)(struct smr_caller_goals *g); /* computes the output's checksum when forces are complete */
+    void (*stand)(struct smr_caller_goals *g); /* when forces are complete: computes the force output's checksum */
 } smr_caller_calls;
 
 extern const smr_caller_calls smr_caller_all;
 
 typedef struct smr_caller_goals {
-    const smr_caller_calls *calls; /* NULL: nothing was set */
+    const smr_caller_calls *calls; /* NULL: neither goals nor a force were set */
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;

@@ -155,14 +155,14 @@ void smr_contact_search(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Share of the searched vertices that have a goal; -1: no vertex was searched. */
+/* Returns the share of the searched vertices that have a goal; -1: no vertex was searched. */
 static float share_of(uint32_t n_forces, uint32_t n_rejected)
 {
     const uint32_t all = n_forces + n_rejected;
     return all > 0u ? (float)n_forces / (float)all : -1.0f;
 }
 
-/* share_of() a structure in the last complete forces. */
+/* share_of() for the vertices of a structure in the last complete forces. */
 static float share_in_last(const smr_forces *f, uint32_t structure)
 {
     const smr_shape_structure *one = &f->shape->structure[structure];
@@ -246,6 +246,6 @@ void smr_forces_end(smr_forces *f)
     f->totals = all;
     f->surface.limit = smr_reject_limit(&f->shared->config, all.n_forces, all.mean, square);
     note_matched(f);
-    memcpy(f->found_last, f->found, f->shared->n); /* until here a new target could have restarted the forces */
+    memcpy(f->found_last, f->found, f->shared->n); /* only now, since a new target could have restarted the forces */
     smr_sources_commit(f);
 }

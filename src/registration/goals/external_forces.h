@@ -15,7 +15,7 @@ typedef struct smr_force_totals {
     uint32_t n_forces;      /* active vertices with a goal */
     uint32_t n_rejected;    /* active vertices with a target but without a goal */
     float mean, rms, max;   /* residual over all active vertices with a goal, mm */
-    float largest[2];       /* bounds on the two kinds of quantities that the cluster sums add */
+    float largest[2];       /* bounds on the two kinds of terms of the cluster sums: m u, and m u times a position */
 } smr_force_totals;
 
 typedef struct smr_forces {
@@ -36,7 +36,7 @@ typedef struct smr_forces {
     uint8_t *found;      /* [n] SMR_FOUND_... of the current forces */
     uint8_t *found_last; /* [n] SMR_FOUND_... of the last complete forces */
     smr_force_totals totals;
-    float matched;       /* share of searched vertices that have a goal; -1: not searched */
+    float matched;       /* share of searched vertices that have a goal; -1: no vertex was searched */
     uint32_t unmeasured; /* 1: no forces were completed since a target, the image or positions were set */
 } smr_forces;
 
@@ -49,7 +49,7 @@ float smr_forces_matched(const smr_forces *f, uint32_t structure);
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
 uint32_t smr_forces_tasks(const void *forces);
 void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* step: displacements to goals */
-/* Factor on the force of v, 0..1. Falls at the end for vertices with image goals far from hard landmarks. */
+/* Factor on the force of v, 0..1. At the end it falls for vertices with image goals, except near hard landmarks. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
 uint32_t smr_contact_tasks(const void *forces);
 void smr_contact_search(void *forces, uint32_t task, uint32_t worker); /* step: contacts and their displacements */

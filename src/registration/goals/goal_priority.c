@@ -38,7 +38,7 @@ void smr_sources_reset(smr_forces *f)
         smr_contact_reset(&f->contact);
 }
 
-/* Stores the visibility of each active vertex for the landmarks. */
+/* Stores the visibility of each active vertex, which the field of landmarks reads. */
 static void note_visible(smr_forces *f)
 {
     for (uint32_t v = 0; v < f->schedule->n_active; v++) {
@@ -78,7 +78,7 @@ void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &displacement);
 }
 
-/* The displacement to a goal on a mesh or a cloud, mm; also judges the vertex' visibility. Returns 0 without a goal. */
+/* Finds the displacement of v to a goal on its mesh or cloud, mm; judges its visibility. Returns 0 without a goal. */
 static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
 {
     smr_surface_goals *g = &f->surface;
@@ -92,8 +92,8 @@ static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, sm
     return found;
 }
 
-/* The displacement to a surface goal, averaged with an image goal and with the field of occluded vertices. With a
- * partial target the surface goal's weight is the vertex' visibility. */
+/* Finds the displacement of v to a surface goal, mm, averaged with an image goal and with the field of occluded
+ * vertices. With a partial target the surface goal's weight is the visibility of v. Returns SMR_FOUND_... */
 static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
 {
     const int found = goal_on_target(f, v, drawn, displacement), rest = smr_field_of_rest(&f->occluded, v);
@@ -113,7 +113,8 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     return weight > 0.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement while the image is outdated, mm: the field moves the image goals along with newer targets. */
+/* The goal of v while the tracked image is outdated: *displacement, mm, is that of the field, which moves goals found
+ * in the image along with newer targets. Returns SMR_FOUND_... */
 static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     smr_image_keep(&f->image, v);
@@ -121,7 +122,7 @@ static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
     return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
 }
 
-/* The displacement to an image goal, or without one the smoothing displacement, mm. */
+/* Finds the displacement of v to an image goal, or without one its smoothing displacement, mm. Returns SMR_FOUND_... */
 static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     if (smr_field_of_past(&f->occluded))
@@ -145,7 +146,7 @@ static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
     return found;
 }
 
-/* The displacement of a vertex without target and image, mm: the vertex follows landmarks, if any are set. */
+/* Finds the displacement, mm, of a vertex without target and image, which follows landmarks. Returns SMR_FOUND_... */
 static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     smr_sources_drop(f, v);
@@ -155,14 +156,15 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
     return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The displacement to a vertex' goal, mm, without the caller's. Surfaces and images need vertices with triangles. */
+/* Finds the displacement of v to its goal, mm, without goals of the caller; 0 for a vertex without triangles, unless it
+ * follows landmarks. Returns SMR_FOUND_... */
 static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
     const int image = smr_image_on(&f->image);
     *displacement = smr_v(0, 0, 0);
     if (image)
-        smr_image_forget(&f->image, v); /* the result of forces that were restarted with another surface */
+        smr_image_forget(&f->image, v); /* a result may be left from forces that were restarted with another surface */
     if (smr_visibility_on(&f->surface))
         f->surface.visibility_next[v] = 0;
     if (drawn->surface == NULL && !image)

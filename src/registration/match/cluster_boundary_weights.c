@@ -1,10 +1,10 @@
 /* cluster_boundary_weights.c: fractional weights of vertices near a cluster's boundary: adds to the sums the difference
- * from the weight 0 or 1 of the order L. Integers, so the order of the pairs does not matter.
+ * from the weight 0 or 1 of the order L. The sums are integers, so the order of the pairs does not matter.
  * Bounds: one pass over the radius' boundary pairs.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/cluster_match.h"
 
-#define SMR_BOUNDARY_CHUNK 16u /* pairs of a task */
+#define SMR_BOUNDARY_CHUNK 16u /* boundary pairs of a task */
 
 /* Adds share / SMR_BOUNDARY_UNITS of the record of vertex `from` to the sum of vertex `to`. */
 static void add_record(smr_sums *s, uint32_t to, uint32_t from, int32_t share)
@@ -31,7 +31,7 @@ static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from
         add_record(s, to, from, share);
 }
 
-/* Adds the pairs of a task. r: as for add(). */
+/* Adds a task's boundary pairs: each vertex of a pair to the other one's cluster. r: as in add(). */
 static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 {
     const smr_schedule *schedule = s->schedule;

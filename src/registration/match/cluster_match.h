@@ -19,7 +19,7 @@ typedef struct smr_sums {
     uint32_t *sum;    /* [n][SMR_WORDS] sum of the records over the vertex' cluster */
     float scale[2];   /* scales of the two kinds of quantities: stored = value * scale */
     uint32_t words;   /* words in use: 6, 12 or 16 */
-    uint32_t pieces;  /* pieces of a block in the current step; 0 or 1: blocks are not cut */
+    uint32_t pieces;  /* pieces of a block, each a task, in the current step; 0 or 1: blocks are not cut */
 } smr_sums;
 
 /* The clusters in the reference shape, recomputed when x^r or the active vertices change. */
@@ -34,7 +34,7 @@ typedef struct smr_reference {
     float *centre;       /* [n][3] c^r of each cluster, mm */
     float *spread;       /* [n][6] inverse inertia tensor (rigid) or covariance (polar), upper triangle */
     float *cluster_mass; /* [n] mass M of the cluster. Centre, spread and M exist for active vertices' clusters only */
-    float *share;        /* [n] 1 / |zeta| over active members; 0 without members */
+    float *share;        /* [n] 1 / |zeta|, where |zeta| counts active members; 0 without members */
     float coarse, fine;  /* steps, mm, to which x^r is rounded for spreads and for centres */
     float per_coarse;    /* 1 / coarse, 1 / mm, exact */
     float per_fine;      /* 1 / fine, 1 / mm. A vector division would divide by 0 in its unused lane */
@@ -51,7 +51,7 @@ typedef struct smr_match {
     float largest[2]; /* largest entry of R - I or of the rotation vector; largest entry of t or of the rate, mm */
 } smr_match;
 
-/* Sums. Sets the number of words of the next sums, and their scales: values stay below these bounds. */
+/* Sets the number of words of the next sums, and their scales. largest: bounds on the two kinds of summed values. */
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
 uint32_t smr_method_words(const smr_shared *c); /* number of words of a displacement's record */
 uint32_t smr_sums_record_tasks(const void *sums);
@@ -76,7 +76,7 @@ static inline uint32_t smr_boundary_part(int64_t value)
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared);
 uint32_t smr_reference_tasks(const void *reference);
 void smr_reference_reach(void *reference, uint32_t task, uint32_t worker);
-void smr_reference_begin(smr_reference *r); /* chooses the rounding steps */
+void smr_reference_begin(smr_reference *r); /* chooses `coarse` and `fine`, the steps to which x^r is rounded */
 uint32_t smr_reference_record_tasks(const void *reference);
 void smr_reference_record(void *reference, uint32_t task, uint32_t worker);
 uint32_t smr_reference_block_tasks(const void *reference);
@@ -100,7 +100,7 @@ void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
 void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
 uint32_t smr_match_cluster_tasks(const void *match);
 void smr_match_clusters(void *match, uint32_t task, uint32_t worker);
-void smr_match_end(smr_match *m); /* computes `largest` */
+void smr_match_end(smr_match *m); /* computes m->largest from the results of the tasks */
 uint32_t smr_average_tasks(const void *match);
 void smr_average_record(void *match, uint32_t task, uint32_t worker);
 

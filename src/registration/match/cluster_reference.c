@@ -8,8 +8,8 @@
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "registration/match/cluster_match.h"
 
-#define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step over the coarse step */
-#define SMR_PART_BITS 10u               /* a step has 2^SMR_PART_BITS parts */
+#define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step, as a share of the coarse step */
+#define SMR_PART_BITS 10u               /* in dynamics a step is divided into 2^SMR_PART_BITS parts */
 #define SMR_INERTIA_FLOOR 1.0e-4f       /* a cluster thinner than this share of its length gets no torque along it */
 #define SMR_COARSE_MOST (1 << 15)       /* most coarse steps between members of a cluster, by step_for() */
 #define SMR_FINE_MOST (1 << 30)         /* most fine steps between members of a cluster */
@@ -89,7 +89,7 @@ void smr_reference_begin(smr_reference *r)
     r->sums->words = SMR_WORDS;
 }
 
-/* x rounded to the nearest whole number. */
+/* Returns x rounded to the nearest whole number. */
 static inline int64_t nearest(float x)
 {
     const float v = smr_clamp(x, -1.0e18f, 1.0e18f);
@@ -110,7 +110,7 @@ static void parts_of(const float *x, float inverse, uint64_t out[3])
         out[a] = (uint64_t)nearest(x[a] * inverse * (float)(1u << SMR_PART_BITS));
 }
 
-/* parts / 2^bits, rounded to nearest. */
+/* Returns parts / 2^bits, rounded to nearest. */
 static uint32_t whole(uint64_t parts, uint32_t bits)
 {
     return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
@@ -180,19 +180,19 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
         else
             record_steps(r, v, m, w);
         w[0] = m;
-        w[13] = SMR_BOUNDARY_UNITS; /* summed to the number of members */
+        w[13] = SMR_BOUNDARY_UNITS; /* one member: the sum counts the cluster's members */
         w[14] = w[15] = 0;
     }
 }
 
-/* a - b in steps, at most `most` as between members of a cluster; a forged model may name other vertices. */
+/* a - b in steps, cut off at +-most, which members of one cluster do not exceed unless the model is forged. */
 static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
 {
     const int32_t d = smr_signed(a - b);
     return d > most ? most : (d < -most ? -most : d);
 }
 
-/* The moments are about the cluster's vertex `to`, where they are small integers. Word 14: fractions of mass. */
+/* The moments are about the cluster's vertex `to`, so that they are small integers. Word 14 sums fractions of mass. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, origin[3], q[3], f[3], there[3], fine[3], first[3];

@@ -53,7 +53,7 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
-/* t [12]: R - I and t of a cluster. */
+/* Writes R - I (9 entries) and t, mm, (3 entries) of a cluster to t[12]. Arguments as in rigid_turn() and polar(). */
 static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     if (m->shared->config.basic.method == SMR_METHOD_RIGID)
@@ -64,7 +64,7 @@ static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t
     smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_get3(m->reference->centre, v))));
 }
 
-/* t [6]: the logarithm of a cluster's transform: rotation vector, rad, and rate, mm. */
+/* Writes the logarithm of a cluster's transform to t[0..5]: rotation vector, rad, and rate, mm. */
 static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     smr_vec turn;

@@ -25,7 +25,7 @@ typedef struct smr_track_rest {
     smr_fit one, all;           /* sums of the fits: of the current structure, of the whole model */
     uint32_t structure, vertex; /* next structure and vertex of the summation, in the caller's numbering */
     uint32_t n_tasks;           /* number of tasks of the summation */
-    uint32_t due;               /* 1: x^r follows in this iteration. Written by tracking.c and dynamics.c */
+    uint32_t due;               /* 1: x^r becomes track_rest_x in new poses in this iteration */
     uint32_t predicted;         /* 1: structures were already moved ahead for the current targets */
     /* place to which the pose of vertex v, moved to x, is fitted; NULL: x. Written by dynamics.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
@@ -66,14 +66,14 @@ typedef struct smr_shape {
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees and their places in the arrays */
 
-/* Normals of triangles, and box trees where there are any. */
+/* Moving triangles: their normals, and box trees where a stage needs them. */
 void smr_triangles_follow(smr_shape *shape, const float *xyz); /* the triangles read these positions from now on */
 void smr_triangles_now(smr_shape *shape);                      /* updates all normals and boxes at x */
 uint32_t smr_triangles_tasks(const void *shape);
 void smr_triangles_refit(void *shape, uint32_t task, uint32_t worker);
 void smr_triangles_end(smr_shape *shape);
 
-/* Fits rest_pose where rest_pose_due. Tasks run one after the other. */
+/* Step: fits rest_pose where rest_pose_due is 1. Tasks run one after the other. */
 uint32_t smr_rest_pose_tasks(const void *shape);
 void smr_rest_pose_sum(void *shape, uint32_t task, uint32_t worker);
 void smr_rest_pose_end(smr_shape *shape);

@@ -24,7 +24,7 @@ smr_vec smr_cone_apex(const smr_shape *shape, uint32_t structure, float *xyz)
     const uint32_t n = smr_min_u32(one->n_vertices, SMR_APEX_VERTICES);
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < n; i++) {
-        const uint32_t at = i * one->n_vertices / n; /* fits: both are limited */
+        const uint32_t at = i * one->n_vertices / n; /* the product fits 32 bits: both factors are limited */
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + at);
         sum = smr_add(sum, place(shape, xyz, v));
     }
@@ -69,7 +69,7 @@ float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x)
     const smr_shape_structure *one = &shape->structure[structure];
     const smr_vec apex = smr_cone_apex(shape, structure, x);
     const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
-    float sum = 0.0f; /* of chunks, which keeps rounding small */
+    float sum = 0.0f; /* sum of the chunks' sums, which keeps rounding small */
     for (uint32_t k = first; k < last; k += SMR_TRIANGLE_CHUNK)
         sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), apex, x);
     return sum;

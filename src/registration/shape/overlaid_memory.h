@@ -27,7 +27,7 @@
 typedef union smr_tally {
     struct {
         float sum, sum2, max; /* sum, mm, sum of squares, mm^2, and maximum, mm, of the residuals */
-        float largest[2];     /* largest values of the two kinds of summed quantities */
+        float largest[2];     /* largest values of the two kinds of quantities in the cluster sums */
         uint32_t n_forces, n_rejected, n_with_target;
     } forces;
     struct {

@@ -32,7 +32,7 @@ typedef struct smr_shared {
     float mass_unit;          /* masses are whole multiples of 1 / mass_unit */
     float mass_sum;           /* sum of all masses, in dynamics; 0: unknown */
     const float *mass;        /* [n] weights in the clusters' fits, in dynamics; NULL: the model's masses */
-    float min_cos;            /* of config.forces.normal_deg */
+    float min_cos;            /* cosine of config.forces.normal_deg */
 } smr_shared;
 
 /* Number of target vertices that there is memory for. 0: no target attracts. */
@@ -66,7 +66,7 @@ typedef struct smr_schedule {
     uint32_t changed;         /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */
     uint32_t settled, jumped; /* as in smr_tick_report */
     uint32_t image_age;       /* age of the tracked image, SMR_IMAGE_.. */
-    float gain;               /* factor on forces */
+    float gain;               /* factor on forces while targets are tracked; 1 except at coarser radii after a jump */
     float found;              /* share of vertices that had goals on the last targets, 0..1 */
 } smr_schedule;
 

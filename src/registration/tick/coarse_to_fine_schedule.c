@@ -5,7 +5,7 @@
 #include "registration/tick/iteration_steps.h"
 
 #define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
-#define SMR_GROWN 1.25f     /* growth of a cloud's number of points at which a radius is repeated */
+#define SMR_GROWN 1.25f     /* factor by which the number of all clouds' points grows before a radius is repeated */
 
 /* Chooses n_active. A change requires new cluster centres, so it waits for a new reference shape or for
  * SMR_ACTIVE_EVERY iterations. The caller's choice, and vertices that a budget left out, do not wait. */
@@ -82,8 +82,8 @@ void smr_schedule_next(smr *s)
     }
 }
 
-/* Share of image forces and momentum in this iteration. The share falls to 0 in equal steps over the second half of the
- * last radius, so that the model converges to the mean of goals that jump between samples. */
+/* Returns the share of image forces and momentum in this iteration. The share falls to 0 in equal steps over the second
+ * half of the last radius, so that the model converges to the mean of goals that jump between samples. */
 static float fade_of(const smr *s)
 {
     const uint32_t all = s->shared.config.basic.iterations_last,

@@ -122,7 +122,7 @@ void smr_abandon_iteration(smr *s)
     SMR_ROW(part, phase, work, SMR_ANY_ORDER, member, n_tasks, run, NULL, SMR_IN(part, pieces), SMR_IN(part, abreast))
 
 /* clang-format off */
-const smr_step smr_steps[] = { /* member `magic` stands for the whole registration */
+const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
     /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */

@@ -6,7 +6,7 @@
 #include "options/dynamics/dynamics.h"
 #include "options/track/track.h"
 
-/* What a step's time is proportional to: tasks, active vertices, entries of the order L; FOLDS: unknown beforehand. */
+/* What a step's time is proportional to: tasks, active vertices, entries of the order L. FOLDS: unknown beforehand. */
 enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 
 /* Order of a step's tasks: any, or one after the other. */
@@ -35,7 +35,7 @@ typedef struct smr_step {
     uint32_t (*n_tasks)(const void *stage);
     smr_task run;
     void (*end)(smr *s);
-    void (*pieces)(void *stage, int cut); /* before the first task: 1 cuts tasks into pieces. NULL: never cut */
+    void (*pieces)(void *stage, int cut); /* called before the first task; cut 1: cuts tasks into pieces. NULL: never */
     /* number of pieces that are independent; the next pieces need their results. NULL: all are */
     uint32_t (*abreast)(const void *stage);
 } smr_step;
@@ -79,7 +79,7 @@ void smr_budget_start(smr *s);                    /* sets all costs to unknown *
 void smr_budget_plan(smr *s, uint64_t budget_ns); /* called before an iteration */
 void smr_budget_resume(smr *s);                   /* called when a tick continues an iteration */
 void smr_budget_done(smr *s);                     /* called when an iteration is complete */
-/* 1: the remaining time is needed for the rest of the iteration */
+/* returns 1 when the remaining time, left_ns, is needed for the rest of the iteration */
 int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
 uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
 uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* predicted ns of `group` tasks; 0: unknown */

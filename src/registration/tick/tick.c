@@ -16,7 +16,7 @@ typedef struct part_of_step {
     uint32_t refused; /* 1: a worker's number was not below n_workers. Any thread sets it, atomically */
 } part_of_step;
 
-#define SMR_BUNDLES 64u /* about the number of bundles of a step */
+#define SMR_BUNDLES 64u /* about the number of bundles into which the tasks of a step are divided */
 
 static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 {
@@ -41,10 +41,10 @@ static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
 }
 
 typedef struct watch {
-    uint64_t deadline; /* end of this tick; 0: no budget */
-    uint64_t budget;   /* the tick's budget; 0: none */
-    uint64_t last;     /* last reading of the clock */
-    int begun;         /* 0: the first group of tasks always runs, so that each tick makes progress */
+    uint64_t deadline; /* reading of the clock, ns, at which this tick must end; 0: no budget */
+    uint64_t budget;   /* the tick's budget, ns; 0: none */
+    uint64_t last;     /* last reading of the clock, ns */
+    int begun;         /* 0: no group of tasks has run yet. The first one always runs: each tick makes progress */
 } watch;
 
 /* Reads the clock. Returns 1 when the budget ends within `ahead` ns, or the clock has run backwards. */
@@ -96,7 +96,8 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-/* before: number of complete iterations when the tick began. smr_commit() reports the radius of a complete one. */
+/* Fills s->report. before: number of complete iterations when the tick began. smr_commit() has reported the radius of a
+ * complete iteration. */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;

@@ -10,18 +10,18 @@
 
 #define SMR_UNKNOWN (-1.0f)
 #define SMR_FOREVER 1.0e18f  /* ns: stands for an unknown cost */
-#define SMR_RISE 0.5f        /* weight of a sample above the rate */
-#define SMR_FALL 0.125f      /* weight of a sample below the rate: the rate stays near the upper end of usual costs */
-#define SMR_OUTLIER 0.0625f  /* largest excess of a sample over the rate, as a share of an iteration's time */
+#define SMR_RISE 0.5f        /* weight of a measured cost above the rate in the new rate, a running mean */
+#define SMR_FALL 0.125f      /* weight of a measured cost below the rate: the rate stays near the upper usual costs */
+#define SMR_OUTLIER 0.0625f  /* largest excess of a measured time that counts, as a share of an iteration's time */
 #define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
 #define SMR_MARGIN_MAX 1.5f
-#define SMR_LATE 0.0625f          /* added to the factor when an iteration did not end in its tick */
-#define SMR_IN_TIME 0.001f        /* subtracted from the factor when it did: about one in sixty is late */
+#define SMR_LATE 0.0625f          /* added to the factor on the reserve when an iteration did not end in its tick */
+#define SMR_IN_TIME 0.001f        /* subtracted from that factor when it ended in time: about one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
 #define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
 #define SMR_FORK_TASKS 64.0f      /* most tasks of a worker in one parallel loop */
 #define SMR_LOOK 16u              /* fewest vertices between two checks of the reserve */
-#define SMR_CLOSING 3u            /* 1 / share of the last radius in which vertices may be left out */
+#define SMR_CLOSING 3u            /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
 #define SMR_FIRST 0.75f           /* share of the budget that is kept in reserve while costs are unknown */
 
 void smr_budget_start(smr *s)
@@ -40,7 +40,7 @@ static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
         return smr_fold_find_tasks(&s->folds) > 0u ? 1.0f : 0.0f;
     if (step->work != SMR_WORK_LISTS)
         return (float)n_tasks;
-    const smr_lists *l = &s->schedule.lists; /* of the whole order L: the share of active vertices is not known */
+    const smr_lists *l = &s->schedule.lists; /* the whole order L counts: the active vertices' part is not known */
     return (float)s->shared.n + (float)smr_le32(l->block[l->n_blocks].first_index);
 }
 

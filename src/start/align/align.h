@@ -85,7 +85,7 @@ typedef struct smr_align_side {
     uint32_t n;      /* number of samples */
     smr_vec *point;  /* [n] positions relative to the surface's origin, mm */
     smr_vec *normal; /* [n] unit normals, outward */
-    float *weight;   /* [n] area around each sample over the mean area of a vertex */
+    float *weight;   /* [n] area around each sample divided by the mean area of a vertex */
     smr_pair *pair;  /* [n] closest point of each sample */
     uint32_t bare;   /* 1: the surface is a cloud without normals */
     float outward;   /* sign of the normals: 1; -1 for a closed surface that is inside out */
@@ -132,9 +132,9 @@ void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples);
 float smr_pairs_limit(const smr_aligner *a);
 /* Returns the share of a side's samples, 0..1, that are nearer than `limit` mm. */
 float smr_pairs_share(const smr_aligner *a, uint32_t side, float limit);
-/* Cost of the pairs: squared distances over a->limit, at most 1 each; 0 when all samples match, 1.5 when none does. */
+/* Returns the cost of the pairs from means of (distance / a->limit)^2, at most 1 each; 0: all match, 1.5: none does. */
 float smr_pairs_cost(const smr_aligner *a);
-/* Root mean square distance of the nearest share[] of each side's samples, mm. */
+/* Returns the root mean square distance of each side's samples, mm, counting a side's nearest share, 0..1. */
 float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES]);
 
 #define SMR_REFINE_SCALED 1u  /* bit of a refinement: it fits a scale, too */
@@ -154,7 +154,7 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
 typedef struct smr_coarse {
     float x[SMR_SIDES][6][SMR_COARSE];   /* positions, mm, and unit normals: three rows each */
     float weight[SMR_SIDES][SMR_COARSE]; /* weights, whose sum is 1 */
-    float faced;                         /* 1; 0: one of the surfaces is a cloud without normals */
+    float faced;                         /* factor on differences of normals: 1; 0: a cloud has no normals */
     float limit;                         /* mm: samples farther apart do not match */
 } smr_coarse;
 

@@ -7,13 +7,13 @@
 
 #define SMR_AGREE 0.1f   /* least cosine between the normals of a pair */
 #define SMR_MOSTLY 0.4f  /* share of a side's samples that is assumed to match */
-#define SMR_LIMIT 5.7f   /* outlier limit over that share's distance: three deviations of half-normal distances */
-#define SMR_LEAST 0.045f /* smallest outlier limit over the smaller spread: less would keep a slightly wrong pose */
+#define SMR_LIMIT 5.7f   /* outlier limit / largest distance of that share: three deviations, if half-normal */
+#define SMR_LEAST 0.045f /* smallest outlier limit, as a share of the smaller spread: less would keep wrong poses */
 #define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
 #define SMR_STEADY 16u        /* rounds before a refinement may end early: the end depends on rounding */
 #define SMR_STAGNANT 0.9995f  /* a round that leaves more than this share of the mean square distance is the last */
 
-/* Its file calls it once: from two calls a compiler makes a vector of divisions, whose unused lanes trap on 0 / 0. */
+/* Called once in this file: from two calls a compiler makes a vector of divisions, whose unused lanes trap on 0 / 0. */
 smr_pose smr_pose_invert(const smr_pose *p)
 {
     const float s2 = p->m[0][0] * p->m[0][0] + p->m[1][0] * p->m[1][0] + p->m[2][0] * p->m[2][0];

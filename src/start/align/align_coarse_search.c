@@ -10,13 +10,13 @@
 #include "geometry/rotation/rotation.h"
 
 #define SMR_COARSE_LANES 8u    /* pairs that a vectorised loop computes together */
-#define SMR_COARSE_LIMIT 0.15f /* matching limit over the smaller spread: a little more than the spacing of samples */
+#define SMR_COARSE_LIMIT 0.15f /* matching limit, as a share of the smaller spread: above the samples' spacing */
 #define SMR_ALONG 0.3f         /* weight of the squared distance along the surface */
 #define SMR_CUBE 24u           /* rotations of a cube */
 #define SMR_TURNS 8u           /* further rotations, each after all rotations of the cube */
-#define SMR_EDGE 0.785398163f  /* rad: 45 degrees */
-#define SMR_DIAG 0.604599788f  /* rad: 60 degrees about (1, 1, 1), along each axis */
-#define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's end over its length: rounding must not decide */
+#define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
+#define SMR_DIAG 0.604599788f  /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
+#define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's end, as a share of its length, for rounding */
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
 {

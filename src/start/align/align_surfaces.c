@@ -11,23 +11,23 @@
 
 #define SMR_ROUNDS_SHORT 6u   /* rounds of a short refinement */
 #define SMR_ROUNDS 16u        /* rounds of a longer refinement */
-#define SMR_FINALISTS 4u      /* poses that are refined longer */
+#define SMR_FINALISTS 4u      /* number of poses that are refined longer */
 #define SMR_OF_SCALE 8u       /* poses kept from a search at another scale, and from the search for the mirror image */
-#define SMR_LARGER 1.136f     /* ratio of the other scales, and its inverse: a part does not determine the scale */
+#define SMR_LARGER 1.136f     /* the larger other scale; its inverse is the smaller: a part does not determine scales */
 #define SMR_SAME_SIZE 0.03f   /* spreads that differ by less than this share need no search of their own */
 #define SMR_ALIKE_COS 0.95f   /* similar poses: least cosine of the rotation between them (18 degrees) */
-#define SMR_ALIKE_SHIFT 0.1f  /* similar poses: largest distance over the target's spread */
+#define SMR_ALIKE_SHIFT 0.1f  /* similar poses: largest distance, as a share of the target's spread */
 #define SMR_ALIKE_SCALE 1.04f /* similar poses: largest ratio of scales */
 #define SMR_CHEAPER 0.98f     /* of two similar poses the later one wins only if it costs less than this share */
-#define SMR_FAR_SHARE 0.75f   /* search limit over the larger spread */
-#define SMR_EXPLAINED_SHARE 0.08f /* matching limit over the smaller spread, when poses are compared */
+#define SMR_FAR_SHARE 0.75f   /* search limit, as a share of the larger spread */
+#define SMR_EXPLAINED_SHARE 0.08f /* matching limit when poses are compared, as a share of the smaller spread */
 #define SMR_WHOLE 0.9f            /* surfaces are wholes when a larger share of each side's samples matches */
-#define SMR_WHOLE_WORSE 1.2f      /* wholes: largest cost after a refinement over all pairs, over the cost before */
+#define SMR_WHOLE_WORSE 1.2f      /* wholes: largest ratio of the cost after a refinement by all pairs to that before */
 #define SMR_WHOLE_SLACK 0.02f     /* cost that is added to the limit by SMR_WHOLE_WORSE */
 #define SMR_GIVEN_WORSE 1.25f     /* the given pose is kept up to this ratio of its rms distance to the found pose's */
 #define SMR_OTHER_COS 0.866f  /* clearly different poses: largest cosine of the rotation between them (30 degrees) */
-#define SMR_OTHER_SHIFT 0.15f /* clearly different poses: least distance over the target's spread */
-#define SMR_ALIKE_COST 1.1f   /* another pose matches as well: largest cost over that of the best pose */
+#define SMR_OTHER_SHIFT 0.15f /* clearly different poses: least distance, as a share of the target's spread */
+#define SMR_ALIKE_COST 1.1f   /* another pose matches as well: largest ratio of its cost to that of the best pose */
 #define SMR_ALIKE_SLACK 0.01f /* cost that is added to the limit by SMR_ALIKE_COST */
 #define SMR_POSE_ROUNDING 1.0e-3f  /* tolerance of the given rotation's entries */
 #define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; its inverse is the smallest */
@@ -216,7 +216,7 @@ static int refine_best(align_work *w, const smr_align_config *config, smr_pose *
         smr_pairs_find(a, pose, w->some);
         if (!scaled || smr_pairs_cost(a) <= SMR_WHOLE_WORSE * cost + SMR_WHOLE_SLACK)
             return 1;
-        *pose = best; /* the refined pose has spread unlike parts over each other */
+        *pose = best; /* the cost has grown: the refinement has laid unlike parts over each other */
     }
     if (!scaled)
         (void)smr_align_refine(a, w->some, 1, SMR_REFINE_TRIMMED, pose);
@@ -224,7 +224,7 @@ static int refine_best(align_work *w, const smr_align_config *config, smr_pose *
     return 0;
 }
 
-/* The root mean square distance of a pose over the nearest share[] of each side's samples, mm. */
+/* Returns smr_pairs_rms() of a pose, mm. */
 static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, const float share[SMR_SIDES])
 {
     smr_pairs_find(a, pose, samples);

@@ -18,11 +18,11 @@
 #include "geometry/surface/mesh.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
-#define SMR_WARP_AFFINE 4u      /* columns of P */
+#define SMR_WARP_AFFINE 4u      /* number of columns of P */
 #define SMR_SAME_MM 1.0e-4f     /* smallest distance between landmarks that are not merged, mm */
-#define SMR_SAME_SHARE 2.0e-5f  /* the same distance over the landmarks' extent; the larger one counts */
-#define SMR_LINE_SHARE 1.0e-3f  /* collinear landmarks: largest second variance over the largest variance */
-#define SMR_PLANE_SHARE 1.0e-4f /* coplanar landmarks: largest third variance over the largest variance */
+#define SMR_SAME_SHARE 2.0e-5f  /* that distance as a share of the landmarks' extent; the larger distance counts */
+#define SMR_LINE_SHARE 1.0e-3f  /* collinear landmarks: most of the second variance, as a share of the largest one */
+#define SMR_PLANE_SHARE 1.0e-4f /* coplanar landmarks: most of the third variance, as a share of the largest one */
 #define SMR_LAMBDA_MAX 1.0e9f   /* largest lambda, in units of u: with more the kernels' part vanishes in a float */
 
 struct smr_warp {
@@ -81,7 +81,7 @@ smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
     return SMR_OK;
 }
 
-/* The largest distance from the first of n points. */
+/* Returns the largest distance of a point from the first of n points. */
 static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
@@ -162,8 +162,8 @@ static uint32_t choose_kind(const job *j)
     return j->n >= 3u && j->variance[1] > SMR_LINE_SHARE * largest ? SMR_WARP_SCALED : SMR_WARP_RIGID;
 }
 
-/* Fills the matrix [K + lambda I, P; P^T, 0], where K + lambda I is over `unit` (entries near 1), and the right-hand
- * sides. */
+/* Fills the matrix [K + lambda I, P; P^T, 0], with K + lambda I divided by `unit` so that entries are near 1, and the
+ * right-hand sides. */
 static void fill_equations(const job *j, const smr_warp *w, float unit)
 {
     const size_t n = j->n, m = n + SMR_WARP_AFFINE;
