@@ -49,9 +49,9 @@ const char *smr_status_name(smr_status status);
  * dynamics". Calls and settings of a left-out capability get E_CONFIG. */
 const char *smr_built_without(void);
 
-#define SMR_ALIGN 64u        /* bytes: alignment of all memory handed over */
-#define SMR_COORD_MAX 1.0e5f /* mm: largest absolute coordinate accepted */
-#define SMR_VERTICES_MAX 4000000u
+#define SMR_ALIGN 64u             /* bytes: alignment of all memory handed over */
+#define SMR_COORD_MAX 1.0e5f      /* mm: largest absolute coordinate accepted */
+#define SMR_VERTICES_MAX 4000000u /* most vertices of a model, a target surface or a cloud */
 #define SMR_TRIANGLES_MAX 8000000u
 #define SMR_STRUCTURES_MAX 1024u
 #define SMR_NAME_BYTES 64u /* bytes of a structure's name, with the closing NUL */
@@ -193,7 +193,7 @@ enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE,
 
 /* Details of a tick's report. */
 typedef struct smr_tick_details {
-    uint32_t phase;            /* SMR_PHASE_... that the next tick resumes; 0 after a complete iteration */
+    uint32_t phase;            /* SMR_PHASE_... in which the next tick resumes; 0 after a complete iteration */
     uint32_t radius;           /* index of this tick's radius; of the next iteration's radius if the tick had no work */
     uint32_t radius_iteration; /* complete iterations at `radius`, not counting iterations that only repair folds */
     /* Number of vertices that take part: the first n_taken in the order of priority. The iteration ignores all others.
@@ -202,8 +202,8 @@ typedef struct smr_tick_details {
     uint32_t n_wanted;   /* number of vertices that would take part without a budget */
     uint32_t n_active;   /* number of the n_taken vertices with a target */
     uint32_t n_rejected; /* number of the n_active vertices without an acceptable goal */
-    uint32_t n_guarded;  /* number of vertices that the fold guard held back, unfolded or repaired */
-    /* share, 0..1. Vertices with a goal over vertices that searched for a goal, in the last iteration in which a vertex
+    uint32_t n_guarded;  /* number of vertices that config.motion.fold_guard held back, unfolded or repaired */
+    /* share, 0..1. Share of the vertices that searched for a goal and have one, in the last iteration in which a vertex
      * searched: search distances in images may end at 0. -1: no search since an input was set. */
     float matched_share;
     float attraction_used;                  /* config.basic.attraction if target vertices attracted the model, else 0 */
@@ -266,15 +266,15 @@ typedef struct smr_verdict {
     /* -1..1, or -1. Intensity profiles in place are compared with places 12 to 36 mm away along the normal: share of
      * comparisons won less share lost. Chance gives about 0. */
     float image_similarity;
-    float goals_share;  /* 0..1, or -1. Vertices with a goal in the image over vertices that searched for one */
+    float goals_share;  /* 0..1, or -1. Share of the vertices that searched the image and have a goal there */
     float strain;       /* share. Root mean square change of edge lengths from rest, without the model's scale */
     float stretch;      /* share. Root mean square change of parts' sizes from rest, without the model's scale */
-    float volume_ratio; /* volume over the volume at rest, without the model's scale; 1 for open surfaces */
+    float volume_ratio; /* volume divided by the volume at rest, without the model's scale; 1 for open surfaces */
     float rotation_deg; /* degrees, 0..180. Largest rotation of a part from rest, relative to the whole model */
     /* degrees, 0..180. Rotation of the whole model from the start; above 40 rigid kinematics is inexact */
     float turned_deg;
     float bend_mm;           /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
-    float scale, scale_rest; /* present size over the size at the start, and over the size at rest */
+    float scale, scale_rest; /* present size divided by the size at the start, and by the size at rest */
     float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
 
@@ -350,7 +350,7 @@ typedef struct smr_structure_report {
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
 
 /* Writes ratio[n_vertices], in the caller's order; for SMR_ALL, of all structures in a row. A ratio is the volume
- * around a vertex over that volume at rest, with the scale, -1e6..1e6; a negative ratio means inside out. The volume
+ * around a vertex divided by that volume at rest, with the scale, -1e6..1e6; below 0 it is inside out. The volume
  * lies between the surface of the vertex' cluster and the cluster's centre. The less the surface surrounds the cluster,
  * the more the ratio is the change of the surface's area. Where a cluster has no surface, the ratio is the cube of the
  * model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the model's radius nearest to radius_mm; 0 means eight
@@ -501,7 +501,7 @@ typedef struct smr_align_report {
     float second_rms_mm;        /* mm. rms_mm of the best clearly different pose; 0: no such pose was found */
     float mirrored_rms_mm;      /* mm. rms_mm of the mirrored model; clearly below rms_mm: perhaps the other side */
     uint32_t n_alike;           /* number of clearly different poses that fit equally well; above 1 if symmetric */
-    uint32_t given;             /* 1: the result is config.given (NULL: the identity) */
+    uint32_t given;             /* 1: the result is the known pose, config.given (NULL: the identity) */
     uint32_t model_inside_out;  /* 1: a closed model with triangles facing inwards, which smr_align() reverses */
     uint32_t target_inside_out; /* 1: a closed target with triangles facing inwards, which smr_align() reverses */
 } smr_align_report;
@@ -666,8 +666,8 @@ typedef struct smr_landmark {
     uint32_t vertex; /* the caller's index of the vertex; SMR_NONE: the triangle nearest to `rest` carries the point */
     float rest[3];   /* mm. The point in the model's rest shape, on a surface or off it; ignored if `vertex` is set */
     float place[3];  /* mm. Present place of the point */
-    float weight;    /* [0.001, 1000]. One over the variance of the place; weight 1 equals that of a visible vertex */
-    uint32_t hard;   /* 1: the point ends in its place, and weight is ignored; 0: the weight decides */
+    float weight;    /* [0.001, 1000]. 1 / variance of the place; weight 1 equals that of a visible vertex */
+    uint32_t hard;   /* 1: the point ends at `place`, and `weight` is ignored; 0: the weight decides */
 } smr_landmark;
 
 /* Replaces all landmarks by copies of n landmarks; n 0 removes all. Where no target shows the model, the model follows
@@ -722,7 +722,7 @@ typedef struct smr_contact_config {
      * The volume of open structures is not preserved. Unless 0, the arena has SMR_ARENA_VOLUME_BYTES more. */
     float volume;
     /* share, [0, 1], default 0: off. Weight of smoothing on the surface; goals have the remaining weight. Smoothing
-     * moves a vertex along its normal until its height over the mean of its mesh neighbours is as at rest. The effect
+     * moves a vertex along its normal until its height above the mean of its mesh neighbours is as at rest. The effect
      * is largest at the finest radii. Unless 0, the arena has SMR_ARENA_SMOOTH_BYTES more. */
     float smooth;
 } smr_contact_config;
@@ -766,8 +766,8 @@ typedef struct smr_structure_volume {
     float rest_mm3;    /* mm^3. Volume of the rest shape in the scale of the start (smr_set_volume_ratio()) */
     float asked_mm3;   /* mm^3. Asked volume, which the 4 % steps approach; 0 while config.contact.volume is 0 */
     float present_mm3; /* mm^3. Volume at the positions of the last complete iteration */
-    float asked_ratio; /* asked_mm3 over rest_mm3 */
-    float ratio;       /* present_mm3 over rest_mm3 */
+    float asked_ratio; /* asked_mm3 / rest_mm3 */
+    float ratio;       /* present_mm3 / rest_mm3 */
 } smr_structure_volume;
 smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_structure_volume *volume);
 
@@ -815,7 +815,7 @@ typedef struct smr_energy {
     uint32_t steps;    /* number of complete time steps since the start */
     uint32_t sweeps;   /* number of complete iterations in the present step, 0..SMR_SWEEPS - 1 */
     uint32_t n_pinned; /* number of pinned vertices */
-    float mass_g;      /* g. Mass of the other vertices that counts */
+    float mass_g;      /* g. Mass that counts (smr_set_motion()) of the vertices that are not pinned */
     float centre[3];   /* mm. Present centre of mass of the vertices that are not pinned */
     float kinetic_uj;  /* uJ. Kinetic energy of the velocities of smr_get_velocities(), without pinned vertices */
     float gravity_uj;  /* uJ. Present potential energy in gravity; 0 at the start positions */
@@ -912,7 +912,7 @@ typedef struct smr_motion_config {
     /* SMR_NORMALS_..., default carried. Vertex normals: carried by the clusters' rotations and recomputed whenever x^r
      * = x, or recomputed exactly in each iteration. */
     uint32_t normals;
-    float turn_deg; /* degrees, [0, 85], default 0: 86. Largest rotation of a cluster by rigid kinematics (paper: 20) */
+    float turn_deg; /* degrees, [0, 85], default 0: 86 deg. Largest turn of a cluster by rigid kinematics (paper: 20) */
     /* SMR_FUSING_..., default linear. Mean of the transforms of a vertex' clusters: linear averages their matrices
      * (paper 2.3) and shrinks where the clusters' rotations differ; lie averages their logarithms and gives a rigid
      * motion. The two means differ where x^r = x is rare (plastic_every). */
@@ -997,7 +997,7 @@ smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz);
 
 typedef struct smr_carry_fact {
     float miss_mm; /* mm. inverse 1: error of the inverse at the point; above 0.01 the inverse was not found */
-    float volume;  /* determinant of the local map from rest, to about 0.1; at 0 or below the map folds there */
+    float volume;  /* determinant of the map's gradient at rest, to about 0.1; at 0 or below the map folds there */
 } smr_carry_fact;
 
 /* Maps n points xyz[n][3] mm that are not bound, in about 100 times the time of bound points. inverse 0: from rest to
