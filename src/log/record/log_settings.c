@@ -24,7 +24,7 @@ static const log_row rows[] = {
 #define SMR_LOG_ROWS (sizeof rows / sizeof rows[0])
 #define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u) /* words of a set of settings, a bit each */
 
-/* Numbers of the settings in the order in which logs hold them, that of library 0.2. */
+/* Numbers of the settings in the order in which logs hold the settings, which is that of library 0.2. */
 static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21,
                                   23, 24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31,
                                   32, 33, 35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56,

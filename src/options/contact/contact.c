@@ -74,7 +74,7 @@ int smr_fixed_valid(const smr_contact *c)
     return valid;
 }
 
-/* Returns the triangles of a body; NULL: it cannot be touched. shift: from the shape's to its origin, mm. */
+/* Returns the triangles of a body; NULL: it cannot be touched. shift: from the shape's to the body's origin, mm. */
 static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
 {
     *shift = smr_v(0, 0, 0);

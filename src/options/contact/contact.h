@@ -92,7 +92,7 @@ typedef struct smr_kept_volume {
     uint32_t closed; /* 1: the structure is closed and its volume is corrected; 0: the other fields are not used */
     float model_mm3; /* volume of the rest shape, mm^3 */
     float rest_mm3;  /* volume of the rest shape in the scale of the start, mm^3; negative: triangles face inwards */
-    float model_thick_mm;  /* volume over area (half the mean thickness) of the rest shape, mm */
+    float model_thick_mm;  /* volume divided by area (half the mean thickness) of the rest shape, mm */
     float thick_mm;        /* model_thick_mm in the scale of the start, mm */
     float ratio;           /* the ratio that the caller wants (smr_set_volume_ratio) */
     float ratio_at_begin;  /* the caller's ratio when the current iteration began */
@@ -132,7 +132,7 @@ typedef struct smr_smooth {
     const smr_shape *shape;
     smr_rings rings; /* sums of the mesh neighbours' positions */
     float side;      /* sign of the heights in the start pose: -1 when it is mirrored */
-    float *height;   /* [n] height of the mesh neighbours' mean over each vertex at rest, mm; NULL: smoothing is off */
+    float *height;   /* [n] height of the mesh neighbours' mean above each vertex at rest, mm; NULL: smoothing is off */
 } smr_smooth;
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);

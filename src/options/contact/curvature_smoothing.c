@@ -1,4 +1,4 @@
-/* curvature_smoothing.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean over a
+/* curvature_smoothing.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean above a
  * vertex, along the normal, is the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex moves
  * along its normal until this height equals the height at rest, scaled like the start. Noise falls, while edges and
  * dents of the rest shape stay. Rigid motions and bending are not resisted; borders do not shrink.

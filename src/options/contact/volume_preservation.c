@@ -7,7 +7,7 @@
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
 
-#define SMR_VOLUME_STEP 0.04f      /* largest change of smr_kept_volume.now in an iteration, as a share of it */
+#define SMR_VOLUME_STEP 0.04f      /* largest change of smr_kept_volume.now in an iteration, as a share of `now` */
 #define SMR_DISPLACEMENT_MOST 0.5f /* largest displacement in an iteration, as a share of half the mean thickness */
 #define SMR_NOW_MOST 100.0f        /* largest absolute value of smr_kept_volume.now */
 
@@ -85,7 +85,7 @@ uint32_t smr_volume_tasks(const void *arg)
     return v->kept != NULL && v->schedule->repairing == 0u ? sum_tasks(v) + v->shared->n_tasks : 0u;
 }
 
-/* The sum of the cones over triangles from .. to - 1. */
+/* Returns the sum of the cones whose bases are the triangles from .. to - 1. */
 static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, smr_vec apex)
 {
     smr_enclosed sum = {{0, 0, 0, 0}};
@@ -101,7 +101,7 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
     return sum;
 }
 
-/* Sums over triangles from .. to - 1, which may belong to several structures. */
+/* Sums cones with the bases from .. to - 1, triangles that may belong to several structures, in kept->sum. */
 static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
 {
     while (from < to) {

@@ -8,7 +8,7 @@
 #include "options/image/image.h"
 
 #define SMR_GAIN_LEAST 0.25f   /* smallest ratio of the image's contrast to that of the profiles */
-#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile; the weight is its range divided by the noise */
+#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile; the weight is the profile's range divided by the noise */
 #define SMR_MATCHED_WELL 0.8f  /* share of a structure's vertices with a goal at which the search is not widened */
 #define SMR_MATCHED_BADLY 0.5f /* share of vertices with a goal below which the search is as wide as it gets */
 

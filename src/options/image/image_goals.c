@@ -110,7 +110,7 @@ static float sought_mm(const smr_image_goals *g, uint32_t v)
     return smr_max(g->schedule->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
 }
 
-/* Sizes and range of the profile of v, without its samples. profile_mm: search distance. */
+/* Returns sizes and range of the profile of v, without samples. profile_mm: search distance, mm. */
 static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, float profile_mm)
 {
     const smr_model *m = g->shared->model;

@@ -13,7 +13,7 @@
 #define SMR_ROUGH_ROWS 96u     /* most controls from which the likelihood is computed */
 #define SMR_ROUGH_LEAST 32u    /* fewest controls: with fewer of them the deformation counts as smooth */
 #define SMR_ROUGH_LENGTH 0.15f /* length of the short term, as a share of the kernel's length */
-#define SMR_ROUGH_NOISE 0.1f   /* noise variance that the short term adds to a control, as a share of its variance */
+#define SMR_ROUGH_NOISE 0.1f   /* noise variance that the short term adds to a control / variance of the short term */
 #define SMR_ROUGH_MOTION 20.0f /* variance of the motions, as a multiple of the short term's variance */
 #define SMR_ROUGH_SURE 8.0f    /* twice the binary log-likelihood that a rough kernel must gain: odds of 16 */
 #define SMR_LOG_MIDDLE 1.41421356f

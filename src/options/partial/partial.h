@@ -213,7 +213,7 @@ static inline int smr_field_of_rest(const smr_occluded_field *f, uint32_t v)
 uint32_t smr_occluded_field_tasks(const void *field);
 void smr_occluded_field_solve(void *field, uint32_t task, uint32_t worker);
 
-/* The displacement of vertex v to its position by the field, mm. */
+/* The displacement from vertex v to the position that the field gives to v, mm. */
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
 /* Adds the field's displacement along the surface to the goal's, mm, and averages with the field by visibility. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement);

@@ -15,7 +15,7 @@
 #define SMR_TRACK_LOST 0.9f      /* that ratio in an image, where vertices out of reach may find a wrong goal nearby */
 #define SMR_TRACK_NARROWING 0.5f /* first share of a target's iterations, in which search distances in an image fall */
 #define SMR_TRACK_COARSE 24u     /* iterations at all coarser radii together after a jump */
-#define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum after a jump: more of it oscillates */
+#define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum after a jump: with more the model oscillates */
 #define SMR_TRACK_STEADY 0.6f    /* largest momentum for clouds beside an image: points attract faster than a surface */
 #define SMR_TRACK_GAIN 3.0f      /* largest factor on forces at coarser radii after a jump */
 

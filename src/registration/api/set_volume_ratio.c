@@ -1,5 +1,5 @@
 /* set_volume_ratio.c: sets the wanted volumes of structures, and reads the present ones.
- * Bounds: a pass over the structures; to read, one over a structure's triangles and one over all vertices.
+ * Bounds: a pass over the structures; to read volumes, one over a structure's triangles and one over all vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 

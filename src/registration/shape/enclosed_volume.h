@@ -28,7 +28,7 @@ static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
 float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most);
 /* The volume of a structure with its vertices at x [n][3] (NULL: rest shape), mm^3. */
 float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
-/* Returns 1 when the structure's rest shape is closed. *mm3: its volume; *thick_mm: its volume over its area. */
+/* Returns 1 when the structure's rest shape is closed. *mm3: its volume; *thick_mm: volume / area. */
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
 /* Scale of the similarity that maps the whole model's rest shape onto the start positions. */
 float smr_start_scale(const smr_shape *shape);

@@ -1,7 +1,7 @@
 /* align_surfaces.c: the start pose from two surfaces, without landmarks, and a report on it.
  * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
  * which is right for whole surfaces; short refinements of the results and of the given pose, longer ones of the best.
- * The best pose is refined over all pairs when nearly all samples of both surfaces match, else without outliers. The
+ * The best pose is refined by all pairs when nearly all samples of both surfaces match, else without outliers. The
  * given pose is kept when it is about as good.
  * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS, 2 of
  * config.iterations; for the mirror image 1 search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
