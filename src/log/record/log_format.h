@@ -76,7 +76,7 @@ void smr_log_end(smr_log *log);
 typedef struct smr_log_of_tick {
     const smr_tick_report *report;
     uint32_t complete;    /* 1: the tick completed an iteration, or the schedule was done already */
-    uint32_t n_evaluated; /* vertices whose forces were computed, in this iteration so far or in the complete one */
+    uint32_t n_evaluated; /* vertices with computed forces in the iteration that the tick has completed or stopped in */
 } smr_log_of_tick;
 
 /* Records a call that has succeeded: kind is SMR_LOG_...

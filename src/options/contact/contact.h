@@ -80,7 +80,7 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
 
 /* Step: projects the next positions out of contacts, at the last radius. */
 uint32_t smr_contact_project_tasks(const void *contact);
-void smr_contact_project(void *contact, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_contact_project(void *contact, uint32_t task, uint32_t worker); /* one task after the other: vertices shared */
 
 /* ---- volumes ---- */
 
@@ -116,7 +116,7 @@ void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);
 void smr_volumes_model(smr_volumes *v);        /* computes volumes at rest; sets ratios to 1 */
 void smr_volumes_scale(smr_volumes *v);        /* scales volumes at rest to the start positions */
 void smr_volumes_start(smr_volumes *v);        /* scales, and starts steps to the ratios at the present volumes */
-void smr_volumes_begin(smr_volumes *v);        /* called when an iteration begins */
+void smr_volumes_begin(smr_volumes *v);        /* when an iteration begins: takes the caller's ratios */
 int smr_volumes_pending(const smr_volumes *v); /* 1: some volume has not reached its ratio */
 void smr_volumes_commit(smr_volumes *v);       /* called when an iteration is complete: steps towards the ratios */
 
@@ -137,7 +137,7 @@ typedef struct smr_smooth {
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
 void smr_smooth_rest(smr_smooth *s);  /* computes the heights; positions are those of the rest shape */
-void smr_smooth_start(smr_smooth *s); /* called when positions start anew or are restored */
+void smr_smooth_start(smr_smooth *s); /* for a new start or restored positions: sets `side` */
 
 /* Step: sums over mesh neighbours. Tasks run one after the other. */
 uint32_t smr_smooth_tasks(const void *smooth);

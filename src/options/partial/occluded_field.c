@@ -302,7 +302,7 @@ float smr_landmark_field_solve(smr_occluded_field *f)
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
     smr_solve_forward3(f->lower, f->n, f->coefficient);
-    for (uint32_t i = 0; i < f->n; i++) /* y^T K^-1 y is |L^-1 y|^2 */
+    for (uint32_t i = 0; i < f->n; i++) /* sums y^T K^-1 y = |L^-1 y|^2; the field's variance is its mean */
         sum += smr_dot(smr_get3(f->coefficient, i), smr_get3(f->coefficient, i));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
 }

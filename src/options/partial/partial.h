@@ -35,7 +35,7 @@ void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight)
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
 /* Returns 1 when little of the structure of v is visible, 0 when nearly all of it is, and values between. */
 float smr_visibility_partial(const smr_surface_goals *g, uint32_t v);
-void smr_visibility_commit(smr_surface_goals *g);    /* called when the current forces are complete */
+void smr_visibility_commit(smr_surface_goals *g);    /* when forces are complete: keeps and counts visibilities */
 void smr_visibility_note_view(smr_surface_goals *g); /* called when it is known whether targets have jumped */
 
 /* ---- clouds of points ---- */
@@ -70,7 +70,7 @@ typedef struct smr_bound_landmark {
     float share[3];     /* barycentric weights of the foot: the surface point closest to the landmark */
     smr_vec foot;       /* foot at rest, mm from the model's centre */
     smr_vec offset;     /* vector from the foot to the landmark at rest, mm */
-    smr_vec more;       /* displacement that is added to a hard landmark's goal, mm: clusters follow in part only */
+    smr_vec more;       /* displacement added to a hard landmark's goal, mm, since clusters follow goals only in part */
     uint32_t n_near;    /* number of vertices in `near`; 0: the landmark lies on the surface */
     uint32_t near[SMR_LANDMARK_NEAR]; /* stored vertices whose motion rotates `offset` */
 } smr_bound_landmark;
@@ -88,7 +88,7 @@ typedef struct smr_landmark_goals {
 static inline int smr_landmarks_on(const smr_landmark_goals *g) { return SMR_HAS_PARTIAL && g->n > 0u; }
 
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared);
-void smr_landmark_goals_commit(smr_landmark_goals *g); /* called when the current forces are complete */
+void smr_landmark_goals_commit(smr_landmark_goals *g); /* when forces are complete: moves hard landmarks' goals */
 void smr_landmark_goals_reset(smr_landmark_goals *g);  /* discards all results of the current forces */
 
 /* The foot of landmark k, mm, with vertices at xyz [n][3]. */

@@ -21,11 +21,11 @@ enum { SMR_CHANGED = 1u, SMR_CHANGED_MOVED = 2u, SMR_CHANGED_SHOWN = 3u, SMR_CHA
 static inline int smr_tracks(const smr_schedule *p) { return SMR_HAS_TRACK && p->tracking; }
 
 void smr_tracking_start(smr *s);     /* called when the schedule is done: x becomes tracking's rest shape */
-void smr_tracking_end(smr *s);       /* called when the schedule starts over */
-void smr_tracking_begin(smr *s);     /* called before an iteration */
+void smr_tracking_end(smr *s);       /* called when the schedule starts over: targets are no longer tracked */
+void smr_tracking_begin(smr *s);     /* before an iteration: takes in which inputs have changed */
 void smr_tracking_momentum(smr *s);  /* called when the iteration's targets are known: chooses the momentum */
 void smr_tracking_find_jump(smr *s); /* called when forces are complete: decides whether targets have jumped */
-void smr_tracking_next(smr *s);      /* called after an iteration */
+void smr_tracking_next(smr *s);      /* after an iteration: next radius after a jump, or whether the model rests */
 
 /* Progress of the iterations for the present targets, 0..1, with which search distances in an image fall. */
 float smr_tracking_progress(const smr *s);

@@ -33,7 +33,7 @@ typedef struct smr_evolve {
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
-void smr_evolve_reset(smr_evolve *e); /* called when an iteration is abandoned */
+void smr_evolve_reset(smr_evolve *e); /* clears `limited` when an iteration is abandoned */
 
 uint32_t smr_evolve_tasks(const void *evolve);
 void smr_evolve_step(void *evolve, uint32_t task, uint32_t worker);    /* writes x_next and next normals */
@@ -46,7 +46,7 @@ void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the comin
 uint32_t smr_tangent_tasks(const void *tangent_smooth);
 void smr_tangent_clear(void *tangent_smooth, uint32_t task, uint32_t worker);
 uint32_t smr_tangent_sum_tasks(const void *tangent_smooth);
-void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* sums over neighbours, task after task */
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);  /* of v, mm; valid until the fold steps */
 
 /* Notes that a fold step removed this share of the step of vertex v. */
@@ -60,7 +60,7 @@ static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float sh
 uint32_t smr_exact_normals_tasks(const void *evolve);
 void smr_exact_normals_clear(void *evolve, uint32_t task, uint32_t worker);
 uint32_t smr_exact_normals_sum_tasks(const void *evolve);
-void smr_exact_normals_sum(void *evolve, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_exact_normals_sum(void *evolve, uint32_t task, uint32_t worker); /* sums over triangles, task after task */
 void smr_exact_normals_unit(void *evolve, uint32_t task, uint32_t worker);
 
 #endif

@@ -70,7 +70,7 @@ typedef struct smr_folds {
 } smr_folds;
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
-void smr_folds_reset(smr_folds *f); /* called when an iteration is complete or abandoned */
+void smr_folds_reset(smr_folds *f); /* clears the passes when an iteration is complete or abandoned */
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* 1: folds are searched for at this radius */
 
 uint32_t smr_fold_find_tasks(const void *folds);

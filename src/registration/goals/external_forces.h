@@ -79,7 +79,7 @@ static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 int smr_inputs_valid(const smr_forces *f); /* 1: no target or fixed surface has changed since it was set */
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_sources_reset(smr_forces *f);
-void smr_sources_commit(smr_forces *f);           /* called when the current forces are complete */
+void smr_sources_commit(smr_forces *f);           /* when forces are complete: each source keeps its results */
 void smr_sources_drop(smr_forces *f, uint32_t v); /* clears the pulls on a vertex that does not use them */
 
 /* The displacement from v to its goal, mm: the weighted mean over all sources. Returns SMR_FOUND_... */

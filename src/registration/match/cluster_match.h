@@ -60,8 +60,8 @@ uint32_t smr_block_tasks(const void *sums); /* a task sums along the order L: a 
 uint32_t smr_block_abreast(const void *sums);
 void smr_block_pieces(void *sums, int cut);
 void smr_sums_forest(void *sums, uint32_t task, uint32_t worker);
-uint32_t smr_boundary_tasks(const void *sums); /* fractional weights near cluster boundaries, after the sums */
-void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker); /* tasks run one after the other */
+uint32_t smr_boundary_tasks(const void *sums); /* tasks that add fractional weights at cluster boundaries to the sums */
+void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker); /* to sums of records; one task after the other */
 void smr_sums_at_once(smr_sums *s); /* sums the records over all clusters, between iterations */
 
 /* value / SMR_BOUNDARY_UNITS, rounded to nearest, for values within +-2^62. Its time does not depend on the sign. */
@@ -84,7 +84,7 @@ uint32_t smr_reference_block_abreast(const void *reference);
 void smr_reference_block_pieces(void *reference, int cut);
 void smr_reference_forest(void *reference, uint32_t task, uint32_t worker);
 uint32_t smr_reference_boundary_tasks(const void *reference);
-void smr_boundary_reference(void *reference, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_boundary_reference(void *reference, uint32_t task, uint32_t worker); /* to moments; one task after the other */
 uint32_t smr_reference_cluster_tasks(const void *reference);
 void smr_reference_cluster(void *reference, uint32_t task, uint32_t worker);
 void smr_reference_end(smr_reference *r);

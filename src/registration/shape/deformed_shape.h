@@ -86,7 +86,7 @@ void smr_track_rest_wire(smr_shape *shape);   /* counts tasks, once the structur
 void smr_track_rest_derive(smr_shape *shape); /* computes the box around track_rest_x */
 void smr_track_rest_start(smr_shape *shape);  /* x becomes tracking's rest shape */
 uint32_t smr_track_rest_sum_tasks(const void *shape);
-void smr_track_rest_sum(void *shape, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_track_rest_sum(void *shape, uint32_t task, uint32_t worker); /* sums for the poses; one task after the other */
 void smr_track_rest_sum_end(smr_shape *shape);
 void smr_track_rest_commit(smr_shape *shape);     /* called when the iteration is complete: x^r follows */
 void smr_track_rest_keep_image(smr_shape *shape); /* image_x = x, when the tracked image becomes outdated */

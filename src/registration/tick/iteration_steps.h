@@ -76,14 +76,14 @@ void smr_schedule_next(smr *s);  /* after an iteration: plasticity, the next rad
 
 /* time_budget.c: fits an iteration into a time budget. */
 void smr_budget_start(smr *s);                    /* sets all costs to unknown */
-void smr_budget_plan(smr *s, uint64_t budget_ns); /* called before an iteration */
-void smr_budget_resume(smr *s);                   /* called when a tick continues an iteration */
-void smr_budget_done(smr *s);                     /* called when an iteration is complete */
+void smr_budget_plan(smr *s, uint64_t budget_ns); /* before an iteration: decides whether vertices may be left out */
+void smr_budget_resume(smr *s);                   /* when a tick continues an iteration: notes that it is late */
+void smr_budget_done(smr *s);                     /* after an iteration: learns its time; adapts the margin */
 /* returns 1 when the remaining time, left_ns, is needed for the rest of the iteration */
 int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
 uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
 uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* predicted ns of `group` tasks; 0: unknown */
 void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);      /* adds the time between two readings */
-void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* called when the current step is complete */
+void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* after a step: learns its cost */
 
 #endif

@@ -72,7 +72,7 @@ static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR
     return least;
 }
 
-/* The cost of a pose, as smr_pairs_cost(). */
+/* Returns the cost of a pose by the coarse samples; its range is that of smr_pairs_cost(). */
 static float coarse_cost(const smr_coarse *c, const smr_pose *pose)
 {
     const float(*m)[SMR_COARSE] = c->x[SMR_MODEL];
