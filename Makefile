@@ -360,15 +360,15 @@ figure1 figure2: $(PROGRAM)
 .PHONY: coverage mutants
 N ?= 200
 SEED ?= 1
-measure_coverage = @MAKE="$(MAKE)" python3 tests/coverage/coverage.py $(BUILD)
+coverage_tools = @MAKE="$(MAKE)" python3 tests/coverage
 coverage:
-	$(measure_coverage)
+	$(coverage_tools)/coverage.py $(BUILD)
 
 $(BUILD)/coverage/map.json: $(CORE_SRC) $(TEST_SRC)
-	$(measure_coverage)
+	$(coverage_tools)/coverage.py $(BUILD)
 
 mutants: $(BUILD)/coverage/map.json
-	@MAKE="$(MAKE)" python3 tests/coverage/mutants.py $(BUILD) $(N) $(SEED)
+	$(coverage_tools)/mutants.py $(BUILD) $(N) $(SEED)
 
 soak: $(PROGRAM)
 	$(Q)$(BUILD)/smr bench --soak -o $(BUILD)/soak
