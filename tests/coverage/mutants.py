@@ -178,11 +178,12 @@ def main():
         programs = json.load(source)
     slowest = float(os.environ.get("SLOWEST", "inf"))
     left_out = [name for name in programs if programs[name]["seconds"] > slowest]
+    programs = {name: ran for name, ran in programs.items() if name not in left_out}
     covered = collections.defaultdict(set)
     for ran in programs.values():
         for path, lines in ran["lines"].items():
             covered[path].update(lines)
-    bench = Bench(f"{folder}/mutants", {name: programs[name] for name in programs if name not in left_out})
+    bench = Bench(f"{folder}/mutants", programs)
     verdicts, survivors, start = collections.Counter(), [], time.monotonic()
     for number, site in enumerate(draw(sites_by_line(covered), int(count), int(seed)), 1):
         verdict, killer = bench.judge(site)
