@@ -17,8 +17,6 @@ import subprocess
 import sys
 import time
 
-MOST_SECONDS = "1800"
-
 
 def find_programs():
     """Names of the test programs below the build directory."""
@@ -37,7 +35,7 @@ def build(folder, programs):
 
 def run(folder, name):
     """True if the program passes. The golden run passes when its words are the recorded ones."""
-    done = subprocess.run(["timeout", MOST_SECONDS, f"{folder}/{name}"], stdin=subprocess.DEVNULL,
+    done = subprocess.run(["timeout", "1800", f"{folder}/{name}"], stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     with open("tests/golden/expected.txt", "rb") as expected:
         return done.returncode == 0 and (name != "golden" or done.stdout == expected.read())

@@ -17,6 +17,7 @@ import shlex
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 RELATION = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 BOUNDARY = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}
@@ -65,8 +66,7 @@ def sites_by_line(covered):
     """Lists of sites by file and line, of the covered lines only."""
     sites = collections.defaultdict(list)
     for path in sorted(path for path in covered if path.endswith(".c")):
-        with open(path) as source:
-            text = source.read()
+        text = Path(path).read_text()
         code = NO_CODE.sub(lambda found: re.sub(r"[^\n]", " ", found.group()), text)
         for kind, start, end, new in changes(code):
             line = text.count("\n", 0, start) + 1
@@ -106,21 +106,18 @@ class Bench:
             words = shlex.split(line) if " -o " in line else []
             if "-o" in words:
                 self.commands[words[words.index("-o") + 1]] = words
-        with open("tests/golden/expected.txt", "rb") as expected:
-            self.expected = expected.read()
+        self.expected = Path("tests/golden/expected.txt").read_bytes()
 
     def compile(self, path, text):
         """The bytes of the object file, or None. It stays as mutant.o."""
         source, target = f"{self.folder}/mutant.c", f"{self.folder}/mutant.o"
-        with open(source, "w") as out:
-            out.write(text)
+        Path(source).write_text(text)
         had = f"{self.folder}/obj/{path[:-2]}.o"
         words = [{path: source, had: target}.get(word, word) for word in self.commands[had]]
         words += ["-w", "-iquote", os.path.dirname(path)]
         if subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
             return None
-        with open(target, "rb") as compiled:
-            return compiled.read()
+        return Path(target).read_bytes()
 
     def passes(self, name):
         """Links the program with mutant.o and runs it. What takes far longer than before has failed."""
@@ -148,8 +145,7 @@ class Bench:
 
     def judge(self, site):
         """Returns the verdict and the program that found the fault."""
-        with open(site.path) as source:
-            text = source.read()
+        text = Path(site.path).read_text()
         had = self.compile(site.path, text)
         got = self.compile(site.path, text[:site.start] + site.text + text[site.end:])
         if got is None:
@@ -164,8 +160,7 @@ class Bench:
 
 
 def describe(site):
-    with open(site.path) as source:
-        text = source.read()
+    text = Path(site.path).read_text()
     squeeze = lambda part: " ".join(part.split())
     line = squeeze(text.split("\n")[site.line - 1])
     change = f"{squeeze(text[site.start:site.end])} -> {squeeze(site.text)}"
@@ -174,8 +169,7 @@ def describe(site):
 
 def main():
     folder, count, seed = (sys.argv[1:] + ["build", "200", "1"][len(sys.argv) - 1:])[:3]
-    with open(f"{folder}/coverage/map.json") as source:
-        programs = json.load(source)
+    programs = json.loads(Path(f"{folder}/coverage/map.json").read_text())
     slowest = float(os.environ.get("SLOWEST", "inf"))
     left_out = [name for name in programs if programs[name]["seconds"] > slowest]
     programs = {name: ran for name, ran in programs.items() if name not in left_out}
