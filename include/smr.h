@@ -261,6 +261,7 @@ typedef struct smr_verdict {
     /* 0..1, or -1. Share of the target's area that the model covers: the model is no farther away than a mean edge or
      * twice the residual. Measured only where target vertices attract (config.basic.attract, n_target_vertices). */
     float target_covered;
+    float other_share;   /* 0..1, or -1. Target's area in bodies that the model does not reach; a cloud's outliers */
     float residual_mm;   /* mm, or -1. Mean distance of visible vertices to the target, or to goals in an image */
     float normals_agree; /* 0..1, or -1. Share of the model's area on the target with normals within 90 degrees */
     /* -1..1, or -1. Intensity profiles in place are compared with places 12 to 36 mm away along the normal: share of
@@ -697,7 +698,7 @@ typedef struct smr_track_config {
     /* mm, [0, 100000], default 0: a twelfth of the radius. Smallest mean distance to the goals of new targets that
      * counts as a jump. New targets without any goal have jumped, too. */
     float jump_mm;
-    float settle_um;     /* um, [0, 100000000], default 20. Largest displacement at which the model has settled */
+    float settle_um;     /* um, [0, 100000000], default 20. Largest displacement at rest, or 1/5 of the residual */
     uint32_t iterations; /* iterations, [1, 100000], default 30. Largest number for one position of the targets */
     /* share, [0, 1], default 0. When targets are set, each structure first repeats this share of its rigid displacement
      * between the last two times that targets were set. The prediction suits targets at even intervals. After a jump no
@@ -1176,9 +1177,9 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
     ((size_t)8192u + ((method) == SMR_METHOD_RIGID ? (size_t)328u : (size_t)364u) * (nv) +                             \
      ((nv) < 190u ? (size_t)64u * (190u - (nv)) : (size_t)0u) + (size_t)(12u + SMR_SWAPPED_BYTES) * (nt) +             \
      (size_t)(nt) / 16u + (size_t)256u * (ns) +                                                                        \
-     ((n_target_vertices) == 0u                                                                                        \
-          ? (size_t)0u                                                                                                 \
-          : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))
+     ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
+                                : (size_t)4032u + (size_t)24u * (ns) + (size_t)6u * (n_target_vertices) +              \
+                                      (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))
 #define SMR_ARENA_LANDMARKS_BYTES(nv, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (nv))
 #define SMR_ARENA_TRACK_BYTES(nv, ns) /* 12 nv less without intensity profiles */                                      \
     ((size_t)1024u + (size_t)24u * (nv) + (size_t)96u * (ns))
@@ -1193,7 +1194,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 /* Bounds of smr_save_bytes(). */
 #define SMR_SAVE_BYTES(nv, ns, n_target_vertices, n_landmarks, method)                                                 \
     ((size_t)1152u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (nv) + (size_t)56u * (ns) +         \
-     (size_t)4u * (n_target_vertices) +                                                                                \
+     ((n_target_vertices) > 0u ? (size_t)252u + (size_t)4u * (n_target_vertices) : (size_t)0u) +                       \
      ((n_landmarks) > 0u ? (size_t)4u + (nv) + (size_t)200u * (n_landmarks) : (size_t)0u))
 #define SMR_SAVE_VOLUME_BYTES(ns) ((size_t)8u * (ns))
 #define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv less without profiles */

@@ -60,12 +60,12 @@ _SENTENCES = {
     -2: "wrong cookie, a field outside its stated range, or fields that exclude each other",
     -3: "the memory handed over is too small",
     -4: "the memory handed over is not aligned to SMR_ALIGN",
-    -5: "not a model, other version, damaged, or inconsistent",
+    -5: "the bytes are not a model, are of another version, damaged or inconsistent",
     -6: "a count, index or coordinate in the data is out of range",
-    -7: "the call is not possible in this state",
+    -7: "the object's state does not allow the call, or the object is not of the expected type",
     -8: "the progress callback asked to stop",
-    -9: "not a log, other version, damaged, or cut off within a record",
-    -10: "not a saved registration, other version, damaged, or inconsistent",
+    -9: "the bytes are not a log, are of another version, damaged, or end within a record",
+    -10: "the bytes are not a save, are of another version, damaged or inconsistent",
     -11: "a log or a save needs a capability that this build leaves out",
 }
 _E_CONFIG, _E_ARENA, _E_INPUT, _E_STATE = -2, -3, -6, -7
@@ -220,7 +220,7 @@ class Energy(_Struct):
 class Verdict(_Struct):
     """Whether a result can be relied on, and what was measured (smr_verdict). -1: nothing of the kind was measured."""
     _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("visible_share", _F),
-                ("target_covered", _F), ("residual_mm", _F), ("normals_agree", _F), ("image_similarity", _F),
+                ("target_covered", _F), ("other_share", _F), ("residual_mm", _F), ("normals_agree", _F), ("image_similarity", _F),
                 ("goals_share", _F), ("strain", _F), ("stretch", _F), ("volume_ratio", _F), ("rotation_deg", _F), ("turned_deg", _F), ("bend_mm", _F),
                 ("scale", _F), ("scale_rest", _F), ("moved_last_mm", _F)]
 

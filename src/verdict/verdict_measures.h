@@ -11,7 +11,7 @@ typedef struct smr_mean {
     float sum, weight;
 } smr_mean;
 
-#define SMR_MEANS 11u /* means in smr_evidence */
+#define SMR_MEANS 13u /* means in smr_evidence */
 
 /* Measures of a result. Fields are as in smr_verdict where names agree. */
 typedef struct smr_evidence {
@@ -19,6 +19,8 @@ typedef struct smr_evidence {
         struct {
             smr_mean visible, agree; /* visible share of the model; share of it with agreeing normals */
             smr_mean covered;        /* covered share of the target's area */
+            smr_mean others;         /* share of the target's area in bodies that the model does not reach */
+            smr_mean strays;         /* share of a cloud's points that are outliers */
             smr_mean residual;       /* distance of visible vertices to the target, mm */
             smr_mean goals;          /* share of vertices with a goal in an image */
             smr_mean similarity;     /* comparisons won minus lost, mean over all in an image */

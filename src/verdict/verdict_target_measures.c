@@ -65,72 +65,86 @@ static uint32_t closest(const smr *s, const smr_surface *target, const smr_query
 
 /* ---- surfaces ---- */
 
-/* Finds the distance of each vertex to the target surface, mm; SMR_FAR: none. Returns the visible vertices' mean. */
-static smr_mean find_distances(const smr *s, const smr_shape_structure *one, const smr_surface *target, float *distance)
+/* A structure and its target surface without other bodies. */
+typedef struct surface_pair {
+    const smr *s;
+    const smr_shape_structure *one;
+    const smr_surface *target;
+    smr_tree_mask mask; /* triangles of the target that count */
+    float *distance;    /* [n] distance of each vertex to the target surface, mm; SMR_FAR: none */
+} surface_pair;
+
+/* Finds the distance of each vertex to the target surface. Returns the visible vertices' mean, mm. */
+static smr_mean find_distances(const surface_pair *p)
 {
+    const smr *s = p->s;
     smr_mean residual = {0, 0};
-    for (uint32_t i = 0; i < one->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        const smr_vec p = smr_add(smr_get3(s->shape.x, v), smr_sub(s->shape.origin, target->origin));
-        const smr_query q = {p, smr_get3(s->shape.normal, v), -2.0f, SMR_MEASURE_NODES, s->forces.surface.warm[v]};
+    for (uint32_t i = 0; i < p->one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, p->one->first_vertex + i);
+        const smr_vec at = smr_add(smr_get3(s->shape.x, v), smr_sub(s->shape.origin, p->target->origin));
+        const smr_query q = {at, smr_get3(s->shape.normal, v), -2.0f, SMR_MEASURE_NODES, s->forces.surface.warm[v]};
         smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
-        smr_surface_search(target, &q, &hit);
-        distance[v] = hit.triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
-        if (smr_vertex_visible(s, v) && distance[v] < SMR_FAR)
-            smr_mean_add(&residual, distance[v], 1.0f);
+        smr_surface_search(p->target, p->mask.use, &q, &hit);
+        p->distance[v] = hit.triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
+        if (smr_vertex_visible(s, v) && p->distance[v] < SMR_FAR)
+            smr_mean_add(&residual, p->distance[v], 1.0f);
     }
     return residual;
 }
 
 /* Adds the visible share of the structure's area, and agreement of normals where the structure is near the target. */
-static void add_model(const smr *s, const smr_shape_structure *one, const smr_surface *target, const float *distance,
-                      float near, smr_evidence *e)
+static void add_model(const surface_pair *p, float near, smr_evidence *e)
 {
-    const smr_vec shift = smr_sub(s->shape.origin, target->origin);
-    for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
-        const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
-        const smr_corner_values corner = smr_corners_of(s->shape.x, t);
+    const smr_vec shift = smr_sub(p->s->shape.origin, p->target->origin);
+    for (uint32_t k = 0; k < p->one->tree.n_triangles; k++) {
+        const uint32_t *t = p->one->tree.triangle + 3u * (size_t)k;
+        const smr_corner_values corner = smr_corners_of(p->s->shape.x, t);
         const smr_vec normal = smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f);
         const float area = smr_length(normal);
-        const float nearest = smr_min(smr_min(distance[t[0]], distance[t[1]]), distance[t[2]]);
-        smr_mean_add(&e->visible, visible_part(s, t), area);
+        const float nearest = smr_min(smr_min(p->distance[t[0]], p->distance[t[1]]), p->distance[t[2]]);
+        smr_mean_add(&e->visible, visible_part(p->s, t), area);
         if (nearest > near || !(area > 0.0f))
             continue;
         const smr_query q = {smr_add(centre_of(corner), shift), normal, -2.0f, SMR_MEASURE_NODES, SMR_NONE};
         smr_hit hit = {4.0f * near * near, SMR_NONE, {0, 0, 0}};
-        smr_surface_search(target, &q, &hit);
-        if (hit.triangle != SMR_NONE)
-            smr_mean_add(&e->agree,
-                         smr_dot(smr_get3(target->tree.normal, hit.triangle), normal) > SMR_MEASURE_AGREE * area, area);
+        smr_surface_search(p->target, p->mask.use, &q, &hit);
+        if (hit.triangle == SMR_NONE)
+            continue;
+        const smr_vec other = smr_get3(p->target->tree.normal, hit.triangle);
+        smr_mean_add(&e->agree, smr_dot(other, normal) > SMR_MEASURE_AGREE * area, area);
     }
 }
 
 /* Adds the coverage of the target surface by the structures that share it. */
-static void add_target(const smr *s, const smr_surface *target, float near, smr_evidence *e)
+static void add_target(const surface_pair *p, float near, smr_evidence *e)
 {
-    const smr_vec shift = smr_sub(target->origin, s->shape.origin);
-    for (uint32_t k = 0; k < target->tree.n_triangles; k++) {
-        const uint32_t *t = target->triangle + 3u * (size_t)k;
-        if (smr_surface_fragment(target, t[0]))
-            continue;
-        const smr_corner_values corner = smr_corners_of(target->xyz, t);
+    const smr_vec shift = smr_sub(p->target->origin, p->s->shape.origin);
+    for (uint32_t k = 0; k < p->target->tree.n_triangles; k++) {
+        const smr_corner_values corner = smr_corners_of(p->target->xyz, p->target->triangle + 3u * (size_t)k);
         const float area = smr_length(smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f));
+        const int other = smr_tree_left_out(&p->mask, k);
+        smr_mean_add(&e->others, other ? 1.0f : 0.0f, area);
+        if (other)
+            continue;
         const smr_query q = {smr_add(centre_of(corner), shift), smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
         smr_hit hit;
-        if (closest(s, target, &q, &hit) != SMR_NONE)
+        if (closest(p->s, p->target, &q, &hit) != SMR_NONE)
             smr_mean_add(&e->covered, SMR_SQRT(hit.d2) <= near, area);
     }
 }
 
 static void measure_surface(const smr *s, uint32_t structure, smr_evidence *e)
 {
-    const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_surface *target = s->forces.surface.target[structure].surface;
-    float *const distance = (float *)s->overlay.record; /* [n] distance to the target surface, mm */
-    const float near = add_residual(s, find_distances(s, one, target, distance), e);
-    add_model(s, one, target, distance, near, e);
+    const surface_pair p = {.s = s,
+                            .one = &s->shape.structure[structure],
+                            .target = target,
+                            .mask = {target->work.body, smr_other_bodies(&s->forces.surface, structure)},
+                            .distance = (float *)s->overlay.record};
+    const float near = add_residual(s, find_distances(&p), e);
+    add_model(&p, near, e);
     if (s->shape.node != NULL)
-        add_target(s, target, near, e);
+        add_target(&p, near, e);
 }
 
 /* ---- clouds of points ---- */
@@ -143,7 +157,15 @@ static uint32_t closest_to_point(const smr *s, const smr_surface *cloud, uint32_
     return cloud->area[j] > 0.0f ? closest(s, cloud, &q, hit) : SMR_NONE;
 }
 
-/* Adds coverage of the whole cloud by all structures, and agreement of normals on this structure. */
+/* 1: the registration has left out a point of a cloud at this squared distance from the model, mm^2. */
+static int is_stray(const smr *s, uint32_t structure, uint32_t j, float d2)
+{
+    const smr_surface_goals *g = &s->forces.surface;
+    return !(smr_outlier_weight(g, smr_goal_of(g, structure), j, d2) > 0.0f);
+}
+
+/* Adds outliers of the whole cloud, coverage of its other points by all structures, and agreement of normals on this
+ * structure. */
 static void add_points(const smr *s, uint32_t structure, const smr_surface *cloud, float near, smr_evidence *e)
 {
     smr_hit hit;
@@ -151,6 +173,10 @@ static void add_points(const smr *s, uint32_t structure, const smr_surface *clou
         const uint32_t on = closest_to_point(s, cloud, j, &hit);
         const smr_vec n = smr_get3(cloud->normal, j);
         if (on == SMR_NONE)
+            continue;
+        const int stray = is_stray(s, structure, j, hit.d2);
+        smr_mean_add(&e->strays, stray ? 1.0f : 0.0f, cloud->area[j]);
+        if (stray)
             continue;
         smr_mean_add(&e->covered, hit.d2 <= near * near ? 1.0f : 0.0f, cloud->area[j]);
         if (on != structure || hit.d2 > near * near || !(smr_dot(n, n) > 0.5f))
@@ -167,7 +193,7 @@ static void measure_points(const smr *s, uint32_t structure, smr_evidence *e)
     smr_mean residual = {0, 0};
     smr_hit hit;
     for (uint32_t j = 0; j < cloud->n_vertices; j++)
-        if (closest_to_point(s, cloud, j, &hit) == structure)
+        if (closest_to_point(s, cloud, j, &hit) == structure && !is_stray(s, structure, j, hit.d2))
             smr_mean_add(&residual, SMR_SQRT(hit.d2), cloud->area[j]);
     const float near = add_residual(s, residual, e);
     for (uint32_t k = 0; k < f->n_triangles; k++) {

@@ -48,7 +48,8 @@ typedef struct case_body {
 typedef struct case_data {
     case_body body[CASE_BODIES];
     uint32_t n;
-    double overlap; /* share of the true surface's area that is visible */
+    host_mesh beside; /* what lies beside the first body and is deformed with it, into the same target; owned */
+    double overlap;   /* share of the true surface's area that is visible */
 } case_data;
 
 /* How far a result is from the truth, mm. A direction's distance is a mean over area. */
@@ -56,6 +57,7 @@ typedef struct case_figures {
     double to, from; /* from the result to the true surface and back */
     double surface;  /* the larger of both */
     double vertex;   /* mean distance of the vertices to their true places; -1: no such vertex */
+    double worst;    /* the largest of them */
     double unseen;   /* the same where the target has not the place */
 } case_figures;
 
@@ -92,6 +94,9 @@ void case_save(const host_mesh *mesh, const char *path);
 
 /* Adds a body whose name is the file's. */
 case_body *case_add(case_data *data, const char *path, int mirror);
+
+/* Adds a file's surface to what lies beside the first body. */
+void case_beside(case_data *data, const char *path);
 
 /* A triangle's normal times twice its area. */
 void case_normal(const host_mesh *mesh, uint32_t triangle, double out[3]);
@@ -193,11 +198,16 @@ void case_check(smr_status status); /* ends the program unless SMR_OK */
 /* n points evenly over a mesh' area, with isotropic noise; normal: of the triangles. Both [n][3]. */
 void case_sample(const host_mesh *mesh, uint32_t n, double noise_mm, uint32_t seed, float *xyz, float *normal);
 
+/* Moves shares of a mesh' points xyz[n][3]: strays to anywhere in its box and 20 mm around, a blob into a ball of 8 mm
+ * radius 25 mm off. */
+void case_spoil(const host_mesh *mesh, double strays, double blob, uint32_t seed, float *xyz, uint32_t n);
+
 /* ---- case_marks.c and others: commands of case_tool */
 
 void case_write_marks(const host_landmarks *marks, const char *path); /* as CSV, LPS */
 void case_read_marks(const char *path, host_landmarks *marks);
 void case_feed(char **word);
+void case_cloud(char **word);
 void case_follow(char **word);
 void case_displaced(char **word);
 void case_click(char **word);

@@ -26,10 +26,11 @@ typedef struct options {
     double every;         /* frames between two measurements */
     double points;        /* targets are clouds of so many points with noise of 0.3 mm; 0: surfaces */
     double images;        /* computed thigh: frames between two images; bones have surfaces. 0: no image */
+    double strays;        /* share of the points that lie anywhere about it */
     double ahead;         /* share of their last displacement by which structures go on */
 } options;
-static const char *const names[] = {"seed",   "turn",  "bend",  "flex",   "jump",   "side",
-                                    "frames", "ticks", "every", "points", "images", "ahead"};
+static const char *const names[] = {"seed",  "turn",  "bend",   "flex",   "jump",   "side", "frames",
+                                    "ticks", "every", "points", "images", "strays", "ahead"};
 enum { OPTIONS = sizeof names / sizeof names[0], MOST = 300 };
 
 /* The scene at rest, and how it moves. */
@@ -256,6 +257,7 @@ static void *set_target(scene *s, uint32_t number, uint32_t k)
     float *const xyz = case_alloc(6u * (size_t)n, sizeof *xyz);
     memory = host_alloc(SMR_POINTS_BYTES(n));
     case_sample(target, n, 0.3, 1000u * k + number, xyz, xyz + 3u * (size_t)n);
+    case_spoil(target, s->o.strays, 0.0, 1000u * k + number, xyz, n);
     case_check(smr_points_open(n, memory, SMR_POINTS_BYTES(n), &points));
     case_check(smr_points_add(points, xyz, NULL, NULL, n));
     case_check(smr_set_points(s->run.s, k, points));
@@ -310,7 +312,7 @@ void case_follow(char **word)
 {
     static frame f[MOST];
     scene *const s = case_alloc(1, sizeof *s);
-    double value[OPTIONS] = {1.0, 30.0, 5.0, 0.0, 0.0, 180.0, 60.0, 10.0, 6.0, 0.0, 0.0, 0.0};
+    double value[OPTIONS] = {1.0, 30.0, 5.0, 0.0, 0.0, 180.0, 60.0, 10.0, 6.0, 0.0, 0.0, 0.0, 0.0};
     for (; *word != NULL && strchr(word[0], '=') != NULL; word++)
         for (int k = 0; k < OPTIONS; k++)
             if (strncmp(word[0], names[k], strlen(names[k])) == 0 && word[0][strlen(names[k])] == '=')

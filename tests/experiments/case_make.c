@@ -325,6 +325,11 @@ void case_make(case_data *data, const case_options *options)
             add_strays(&body->target, &body->whole, options->outliers, &r);
     }
     data->overlap = visible / area;
+    if (data->beside.n_vertices > 0u) {
+        bend_mesh(&data->beside, &b);
+        if (host_mesh_append(&data->body[0].target, &data->beside) != 0)
+            case_fail("out of memory");
+    }
     move_to_start(data, options);
 }
 

@@ -77,12 +77,13 @@ double case_surface_mean(const host_mesh *from, const host_mesh *to, const unsig
 }
 
 /* Sums and counts of distances to the true places: of all vertices, and of those that are not seen. */
-static void add_vertices(const case_body *body, const host_mesh *result, double sum[2], double count[2])
+static void add_vertices(const case_body *body, const host_mesh *result, double sum[2], double count[2], double *worst)
 {
     for (uint32_t i = 0; i < body->truth.n_vertices; i++) {
         double p[3], q[3];
         case_get(result, i, p);
         case_get(&body->truth, i, q);
+        *worst = fmax(*worst, case_apart(p, q));
         for (int k = 0; k < (body->seen != NULL && !body->seen[i] ? 2 : 1); k++) {
             sum[k] += case_apart(p, q);
             count[k] += 1.0;
@@ -106,7 +107,7 @@ case_figures case_measure(const case_data *data, const float *const *xyz)
         const double from = case_surface_mean(&body->whole, &result, NULL, &a);
         f.from += a * from;
         area[1] += a;
-        add_vertices(body, &result, sum, count);
+        add_vertices(body, &result, sum, count, &f.worst);
         host_mesh_free(&result);
     }
     f.to /= area[0];
@@ -233,8 +234,8 @@ void case_tell(const case_data *data, const char *directory)
             case_fail(path);
     }
     const case_figures f = case_measure(data, xyz);
-    (void)printf("surface %.4f\nvertex %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.unseen,
-                 turned(&data->body[0].model, &result[0]));
+    (void)printf("surface %.4f\nvertex %.4f\nworst %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.worst,
+                 f.unseen, turned(&data->body[0].model, &result[0]));
     if (f.unseen >= 0.0 && data->body[0].whole.n_vertices == data->body[0].truth.n_vertices) /* where it is shown */
         (void)printf("to_seen %.4f\nfrom_seen %.4f\n",
                      case_surface_mean(&result[0], &data->body[0].whole, data->body[0].seen, NULL),

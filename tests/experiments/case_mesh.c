@@ -74,6 +74,14 @@ case_body *case_add(case_data *data, const char *path, int mirror)
     return body;
 }
 
+void case_beside(case_data *data, const char *path)
+{
+    host_mesh one = case_load(path, HOST_MIRROR_NONE);
+    if (host_mesh_append(&data->beside, &one) != 0)
+        case_fail("out of memory");
+    host_mesh_free(&one);
+}
+
 static const float *corner(const host_mesh *mesh, uint32_t triangle, uint32_t k)
 {
     return mesh->xyz + 3u * (size_t)mesh->triangles[3u * (size_t)triangle + k];

@@ -144,3 +144,39 @@ void case_feed(char **word)
     path = case_text("%s/%s.ply", word[1], data->body[0].name);
     case_save(&data->body[0].model, path);
 }
+
+void case_spoil(const host_mesh *mesh, double strays, double blob, uint32_t seed, float *xyz, uint32_t n)
+{
+    oracle_random r = oracle_seed(9500u + seed);
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, p[3];
+    float at[3], normal[3];
+    for (uint32_t k = 0; k < 3u * mesh->n_vertices; k++) {
+        low[k % 3u] = fmin(low[k % 3u], (double)mesh->xyz[k] - 20.0);
+        high[k % 3u] = fmax(high[k % 3u], (double)mesh->xyz[k] + 20.0);
+    }
+    case_sample(mesh, 1, 0.0, seed + 1u, at, normal);
+    const uint32_t first = (uint32_t)(blob * n), last = first + (uint32_t)(strays * n);
+    for (uint32_t i = 0; i < last; i++) {
+        case_direction(&r, p);
+        const double radius = 8.0 * cbrt(oracle_uniform(&r, 0.0, 1.0));
+        for (int c = 0; c < 3; c++)
+            xyz[3u * (size_t)i + (uint32_t)c] =
+                (float)(i < first ? (double)at[c] + 25.0 * (double)normal[c] + radius * p[c]
+                                  : oracle_uniform(&r, low[c], high[c]));
+    }
+}
+
+/* DIR OUT POINTS NOISE STRAYS BLOB SEED: a cloud on the first body's target, with these shares of outliers. */
+void case_cloud(char **word)
+{
+    case_data *const data = case_alloc(1, sizeof *data);
+    const uint32_t n = (uint32_t)atoi(word[2]), seed = (uint32_t)atoi(word[6]);
+    host_mesh cloud = case_new_mesh(n, 0);
+    float *const normal = case_alloc(3u * (size_t)n, sizeof *normal);
+    case_read(data, word[0]);
+    case_sample(&data->body[0].target, n, atof(word[3]), seed, cloud.xyz, normal);
+    case_spoil(&data->body[0].target, atof(word[4]), atof(word[5]), seed, cloud.xyz, n);
+    case_directory(word[1]);
+    case_save(&cloud, case_text("%s/%s.ply", word[1], data->body[0].name));
+    free(normal);
+}

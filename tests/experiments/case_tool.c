@@ -8,12 +8,13 @@
 
 static const char usage[] =
     "case_tool make [NAME=VALUE...] DIR [x:]FILE...       model, target, truth, whole, seen in DIR; x: mirrored\n"
-    "    seed part (whole side patches end front) share patches noise outliers; view=SEED: a patch of any size, seen "
-    "from any start\n"
+    "    seed part (whole side patches end front) share patches noise outliers deform sigma shift turn; "
+    "view=SEED: a patch of any size, seen from any start; beside=FILE: in the first target, too\n"
     "case_tool pair DIR [x:]MODEL [x:]TARGET A B C D      another's surface: shares A-B of the model, C-D of the "
     "target\n"
     "case_tool kind SEED DATA DIR [NAME]                  a run that verdicts are judged by\n"
     "case_tool measure DIR RESULT                         how far a result of the case is from its truth\n"
+    "case_tool cloud DIR OUT N NOISE STRAYS BLOB SEED     points on the case's target, with shares of outliers\n"
     "case_tool displaced | spread | click | depths | noisy    inputs of single experiments\n"
     "case_tool apart A B | size FILE... | vertices FILE   figures of surfaces\n"
     "case_tool feed | follow                              registrations that the command line cannot do\n"
@@ -57,6 +58,14 @@ static void set_option(case_options *o, const char *word)
         o->noise_mm = value;
     else if (strncmp(word, "outliers", n) == 0)
         o->outliers = value;
+    else if (strncmp(word, "deform", n) == 0)
+        o->deform_mm = value;
+    else if (strncmp(word, "sigma", n) == 0)
+        o->sigma_mm = value;
+    else if (strncmp(word, "shift", n) == 0)
+        o->shift_mm = value;
+    else if (strncmp(word, "turn", n) == 0)
+        o->turn_deg = value;
 }
 
 static void do_make(char **word)
@@ -65,7 +74,10 @@ static void do_make(char **word)
     case_data *const data = case_alloc(1, sizeof *data);
     int i = 0;
     for (; word[i] != NULL && strchr(word[i], '=') != NULL; i++)
-        set_option(&o, word[i]);
+        if (strncmp(word[i], "beside=", 7) == 0)
+            case_beside(data, word[i] + 7);
+        else
+            set_option(&o, word[i]);
     for (int k = i + 1; word[k] != NULL; k++)
         add(data, word[k]);
     case_make(data, &o);
@@ -161,11 +173,11 @@ int main(int argc, char **argv)
         const char *name;
         int least; /* words */
         void (*run)(char **word);
-    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},      {"kind", 3, do_kind},
-               {"measure", 2, do_measure},   {"apart", 2, do_apart},    {"size", 1, do_size},
-               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},    {"displaced", 4, case_displaced},
-               {"spread", 7, case_spread},   {"click", 4, case_click},  {"depths", 4, case_depths},
-               {"feed", 7, case_feed},       {"follow", 1, case_follow}};
+    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},     {"kind", 3, do_kind},
+               {"measure", 2, do_measure},   {"apart", 2, do_apart},   {"size", 1, do_size},
+               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},   {"displaced", 4, case_displaced},
+               {"spread", 7, case_spread},   {"click", 4, case_click}, {"depths", 4, case_depths},
+               {"feed", 7, case_feed},       {"cloud", 7, case_cloud}, {"follow", 1, case_follow}};
     for (size_t i = 0; argc > 1 && i < sizeof all / sizeof all[0]; i++)
         if (strcmp(argv[1], all[i].name) == 0 && argc - 2 >= all[i].least) {
             all[i].run(argv + 2);

@@ -2,7 +2,7 @@
 # cases: experiments on data as they are, a function for each group; written with the words of experiments.sh, which reads it.
 # SPDX-License-Identifier: MIT
 
-groups='thigh parts verdict contact track persons landmarks points ct volume mri fusing'
+groups='thigh parts verdict contact track persons landmarks points scene ct volume mri fusing'
 ! full || groups="$groups views carry"
 
 thigh='--model data/hip_thigh_vhm/*.ply --reference data/thigh_patient/mri_reference.mha'

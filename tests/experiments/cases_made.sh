@@ -137,6 +137,58 @@ group_views() {
 }
 
 # Clouds of points of one side, many and few, at once and arriving, with and without normals.
+# What a target holds beside the model: neighbours in the same file, moved by the same field, and strays in a cloud. Each
+# row is held against the target alone: 1.15 times or 0.3 mm more, the worst vertex 3 mm.
+group_scene() {
+    need hip_thigh_vhm ct_hips_surfaces || return
+    v=data/hip_thigh_vhm c=data/ct_hips_surfaces
+    ends() { # row, words of smr: registers the case and measures it
+        row=$1; shift
+        register $row --model model.smr "$@"
+        measure $row case
+    }
+    beside() { # line, near or far, seed, model, what lies beside it
+        row=$1:$2:$3
+        options="seed=$3 deform=6 sigma=80 $([ $2 = near ] && echo shift=2 turn=0 || echo shift=8 turn=8)"
+        model=$4; shift 4
+        tool make $options case $model >/dev/null
+        smr build --model case/model/*.ply -o model.smr
+        of=$row
+        ends alone:$of --target case/target/*.ply
+        tool make $options $(printf 'beside=%s ' "$@") case $model >/dev/null
+        ends scene:$of --target case/target/*.ply
+        record scene:$of.held "scene:$of.vertex<=max(1.15*alone:$of.vertex,alone:$of.vertex+0.3) && scene:$of.worst<=alone:$of.worst+3 && scene:$of.status!=1"
+        record scene:$of.failed "scene:$of.status==1"
+        rm -r case
+    }
+    strays() { # bone, seed
+        tool make seed=$2 deform=6 sigma=80 shift=8 turn=8 case $v/$1.ply >/dev/null
+        smr build --model case/model/*.ply -o model.smr
+        for line in '0 0 1 clean' '0.01 0 1.1 strays1' '0.05 0 1.2 strays5' '0.2 0 1.5 strays20' '0 0.1 1.2 blob'; do
+            set -- $1 $2 $line
+            tool cloud case points 2000 0.5 $3 $4 $2
+            ends $6:$1:$2 --target points/*.ply
+            record $6:$1:$2.held "$6:$1:$2.vertex<=$5*clean:$1:$2.vertex+0.05 && $6:$1:$2.worst<=clean:$1:$2.worst+3"
+        done
+        rm -r case
+    }
+    for seed in $(seq $(either short 1 3)); do for start in $(either short near 'near far'); do
+        beside femur $start $seed $v/femur.ply $v/hip_bone.ply
+        full || continue
+        beside hips $start $seed $c/hip_bone_right.ply $c/hip_bone_left.ply
+        beside gluteus $start $seed $v/gluteus_maximus.ply $v/gluteus_medius.ply
+        beside vastus $start $seed $v/vastus_lateralis.ply $v/vastus_intermedius.ply
+        for one in sartorius vastus_intermedius gracilis; do
+            beside thigh_$one $start $seed $v/$one.ply $(ls $v/*.ply | grep -v /$one.ply)
+        done
+    done; done
+    for bone in $(either short hip_bone 'femur hip_bone'); do for seed in $(seq $(either short 1 3)); do strays $bone $seed; done; done
+    for line in scene strays1 strays5 strays20 blob; do over $line; done
+    bound 'scenes of neighbours that do not hold' scene.rows-scene.held_sum $(either short 0 1)
+    for line in strays1 strays5 strays20 blob; do bound "$line: rows that do not hold" $line.rows-$line.held_sum 0; done
+    bound 'scenes called failed' scene.failed_sum 0
+}
+
 group_points() {
     need femurs hip_thigh_vhm ct_hips_surfaces || return
     cloud() { # line, points, so many a tick, normals, sweep, bound

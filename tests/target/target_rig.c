@@ -89,6 +89,7 @@ static const struct {
 } target_steps[] = {
     {smr_occluded_field_solve, SMR_PHASE_FORCES, TARGET_VERTICES, "unseen field"},
     {smr_attract_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
+    {smr_outlier_sum, SMR_PHASE_FORCES, TARGET_GOALS, "outliers"},
     {smr_point_spread_run, SMR_PHASE_FORCES, TARGET_VERTICES, "point spread"},
     {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "fill, sums"},
     {smr_forces_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},

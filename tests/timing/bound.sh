@@ -45,7 +45,7 @@ awk -f tests/timing/table.awk "$table" | awk -F '; ' -v board="$1" -v kind="$2" 
         if (!(("surface " method) in vertices) || (kind != "surface" && kind != "image")) { print "no such row in the table"; exit 2 }
         for (i = 0; i < 100; i++) {
             step = sprintf("step %02d", i)
-            if (!(step in name) || name[step] ~ /^(target pulls|neighbours.|goals|forces|mending|opening)/) continue
+            if (!(step in name) || name[step] ~ /^(target pulls|outliers|neighbours.|goals|forces|mending|opening)/) continue
             if (name[step] ~ /^forest/) sum += forest(step)
             else if (name[step] == "match" && method == "polar")
                 { printf "    %-24s %9.1f a vertex\n", name[step], still["surface polar"] / vertices["surface polar"] + rotations

@@ -93,7 +93,7 @@ TEST(scraps_show_nothing)
         const smr_query q = {smr_sub(p, s->origin), {0, 0, 0}, -2.0f, UINT32_MAX, SMR_NONE};
         smr_hit hit = {1.0e9f, SMR_NONE, {0, 0, 0}};
         smr_closest found;
-        smr_surface_search(s, &q, &hit);
+        smr_surface_search(s, NULL, &q, &hit);
         assert_true(s->area[i] == 0.0f && hit.triangle != SMR_NONE);
         assert_true(s->original[hit.triangle] < ball.nt);
         assert_int_equal(SMR_OK, smr_surface_closest(s, spoilt.xyz + 3u * i, NULL, 0, 1000, &found));

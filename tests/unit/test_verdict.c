@@ -197,6 +197,50 @@ TEST(test_part)
     }
 }
 
+/* Low coverage alone is no reason for a model that is visible as a whole. Five reasons, or a large expected error, fail
+ * a run. A model that meets the whole target may differ as people do. */
+TEST(test_together)
+{
+    smr_verdict v;
+    for (uint32_t k = 0; k < 4u; k++) { /* all or part visible, alone or beside another reason */
+        v = fair(k < 2u ? 0.99f : 0.9f, 1.0f);
+        v.target_covered = 0.3f;
+        v.rotation_deg = k % 2u == 0u ? 0.0f : 16.0f;
+        smr_judge(&v, 4.0f, 1);
+        assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : k == 2u ? SMR_VERDICT_LOOK : SMR_VERDICT_FAILED, v.level);
+        assert_int_equal((k == 0u ? 0u : SMR_REASON_UNCOVERED) | (k % 2u == 0u ? 0u : SMR_REASON_ROTATION), v.reasons);
+    }
+    for (uint32_t k = 0; k < 2u; k++) { /* four reasons, or five */
+        v = fair(0.9f, 1.0f);
+        v.rotation_deg = 16.0f;
+        v.stretch = 0.06f;
+        v.volume_ratio = 1.3f;
+        v.bend_mm = 21.0f;
+        v.scale = k == 0u ? 1.0f : 1.3f;
+        smr_judge(&v, 4.0f, 1);
+        assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : SMR_VERDICT_FAILED, v.level);
+    }
+    for (uint32_t k = 0; k < 4u; k++) { /* on a surface or in an image that is like the reference, or in another */
+        v = fair(0.9f, k == 0u ? 7.9f : 8.1f);
+        v.bend_mm = 15.0f;
+        if (k >= 2u) {
+            v.target_covered = v.normals_agree = -1.0f;
+            v.goals_share = 0.95f;
+            v.image_similarity = k == 2u ? 0.9f : 0.7f;
+        }
+        smr_judge(&v, 4.0f, 1);
+        assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : k == 2u ? SMR_VERDICT_GOOD : SMR_VERDICT_FAILED, v.level);
+    }
+    for (uint32_t k = 0; k < 2u; k++) { /* the whole target, or the most of it */
+        v = fair(k == 0u ? 0.99f : 0.97f, 1.0f);
+        v.rotation_deg = 16.0f;
+        v.stretch = 0.08f;
+        v.volume_ratio = 0.76f;
+        smr_judge(&v, 4.0f, 1);
+        assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
+    }
+}
+
 /* Edges of a surface that lies close on its target have not changed by noise; landmarks have a limit for all. */
 TEST(test_strain)
 {

@@ -191,6 +191,7 @@ static void put_measures(const smr_verdict *v, host_json *json)
     } measures[] = {{"expected_error_mm", v->expected_error_mm},
                     {"seen_share", v->visible_share},
                     {"target_covered", v->target_covered},
+                    {"other_share", v->other_share},
                     {"residual_mm", v->residual_mm},
                     {"normals_agree", v->normals_agree},
                     {"likeness", v->image_similarity},

@@ -142,7 +142,8 @@ void host_report_contact(const host_job *job, host_json *json)
     host_json_close(json, '}');
 }
 
-#define SHOWN 0.995 /* of the model's area: less is said */
+#define SHOWN 0.995   /* of the model's area: less is said */
+#define OTHERS 0.005f /* of the target: more is said */
 
 /* The verdict in words, and what it is made of. */
 static void print_verdict(const host_verdict *verdict)
@@ -179,6 +180,9 @@ void host_job_summary(const host_job *job)
     if (job->n_targets > 0)
         (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
                      b->max);
+    if (job->measures.other_share >= OTHERS)
+        (void)printf("left out as other bodies or outliers: %.0f %% of the target\n",
+                     100.0 * (double)job->measures.other_share);
     if (job->by_vertex.n > 0)
         (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);
     if (job->goals != NULL)

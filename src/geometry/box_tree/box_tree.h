@@ -122,12 +122,23 @@ typedef struct smr_hit {
     float weight[3];   /* barycentric weights of the closest point */
 } smr_hit;
 
-#define SMR_SKIPPED 64u /* flag of a triangle that smr_tree_closest_but() skips */
+/* Triangles that a search leaves out: those of group 0, and those of a group whose `use` is 0. */
+typedef struct smr_tree_mask {
+    const unsigned char *group; /* [n_triangles] */
+    const unsigned char *use;   /* [largest group + 1]; NULL: all groups but 0 are searched */
+} smr_tree_mask;
+
+/* Returns 1 for a triangle that the mask leaves out. */
+static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle)
+{
+    const unsigned char group = mask->group[triangle];
+    return group == 0u || (mask->use != NULL && mask->use[group] == 0u);
+}
 
 /* Find the closest acceptable triangle within hit->d2. Without such a triangle *hit stays unchanged.
- * skip: [n_triangles] flags of triangles; NULL: no triangle is skipped. */
+ * mask: NULL: no triangle is left out. */
 void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
-void smr_tree_closest_but(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit);
+void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit);
 
 #define SMR_NEAR_MOST 24u /* most near triangles of a list: more than usually meet at a vertex */
 

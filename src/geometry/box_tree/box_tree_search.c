@@ -37,13 +37,13 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
     list->item[at] = (smr_near){0.0f, d2, triangle, {weight[0], weight[1], weight[2]}};
 }
 
-/* Tests triangle i, unless its normal disagrees or it is skipped: updates *hit when the triangle is closer, or as close
- * with a smaller rank, and adds the triangle to the list when it is near. */
-static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
+/* Tests triangle i, unless its normal disagrees or the mask leaves it out: updates *hit when the triangle is closer, or
+ * as close with a smaller rank, and adds the triangle to the list when it is near. */
+static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit,
                          float widen, smr_near_list *list)
 {
     smr_vec n = smr_get3(f->normal, i);
-    if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
+    if (smr_dot(n, q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
         return;
     const uint32_t *t = f->triangle + 3u * (size_t)i;
     float weight[3];
@@ -62,7 +62,7 @@ static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const
 
 /* Finds the closest triangle for *hit. Boxes and triangles within `widen` (1 or more) times the squared distance of
  * *hit are tested, too, and enter the list. list: NULL for the closest triangle alone. */
-static void search(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
+static void search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                    smr_near_list *list)
 {
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
@@ -70,7 +70,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
         return; /* a position of a forged model: NaN, or as far as empty boxes */
     if (q->warm < f->n_triangles)
-        try_triangle(f, skip, q, q->warm, hit, widen, NULL);
+        try_triangle(f, mask, q, q->warm, hit, widen, NULL);
     stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u && opened < q->node_budget) {
         const smr_visit v = stack[--top];
@@ -84,7 +84,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
             for (; near != 0u; near &= near - 1u) {
                 const uint32_t k = (uint32_t)__builtin_ctz(near);
                 if (d2[k] <= hit->d2 * widen && base + k < f->n_triangles)
-                    try_triangle(f, skip, q, base + k, hit, widen, list);
+                    try_triangle(f, mask, q, base + k, hit, widen, list);
             }
             continue;
         }
@@ -96,9 +96,9 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
 
 void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit) { search(f, NULL, q, hit, 1.0f, NULL); }
 
-void smr_tree_closest_but(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit)
+void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit)
 {
-    search(f, skip, q, hit, 1.0f, NULL);
+    search(f, mask, q, hit, 1.0f, NULL);
 }
 
 void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list)

@@ -21,8 +21,9 @@ typedef struct smr_surface_work {
     smr_order order;                 /* sort of the triangles into tree order */
     float *middle;                   /* [n_triangles][3] centres of triangles, mm */
     uint32_t *key, *tmp;             /* [n_triangles], [2 n_triangles] scratch of sorts */
-    uint32_t *start;  /* [n_vertices + 1] first entry of each vertex in around[]; then a flag; then a triangle */
-    uint32_t *around; /* [at least 3 n_triangles] triangles around the vertices */
+    uint32_t *start;     /* [n_vertices + 1] first entry of each vertex in around[]; then a flag; then a triangle */
+    uint32_t *around;    /* [at least 3 n_triangles] triangles around the vertices */
+    unsigned char *body; /* [n_triangles] SMR_BODY_...: connected component of each triangle; over around[] */
 } smr_surface_work;
 
 struct smr_surface {
@@ -32,6 +33,7 @@ struct smr_surface {
     uint32_t n_used;     /* vertices with triangles outside stray components */
     uint32_t n_fragment; /* triangles of stray components, which registration ignores */
     uint32_t n_fragment_vertices;
+    uint32_t n_bodies;     /* connected components of more than 1 / SMR_BODY_PART of all triangles */
     uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
     uint32_t changes;      /* number of changes of a cloud's points, or of refits of a mesh */
     float area_mean;       /* mean of area[], mm^2 */
@@ -41,10 +43,14 @@ struct smr_surface {
     float *area;           /* [n_vertices] a third of the area of the adjacent triangles, mm^2; 0 in stray components */
     uint32_t *triangle;    /* [n_triangles][3] vertex indexes, in tree order */
     uint32_t *original;    /* [n_triangles] the caller's index of each triangle */
-    unsigned char *border; /* [n_triangles] bit k: edge k..k+1 on a border; 3+k: corner k; SMR_SKIPPED */
+    unsigned char *border; /* [n_triangles] bit k: edge k..k+1 on a border; 3+k: corner k */
     smr_box_tree tree;     /* box tree over the arrays above */
     smr_surface_work work;
 };
+
+/* Numbers of components: small open ones, which registration ignores; other small ones together; then one by one. */
+enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
+#define SMR_BODY_PART 250u /* fewer than the numbers of a byte */
 
 #define SMR_SURFACE_MAGIC 0x736d7253u
 #define SMR_SURFACE_BUSY 0x736d7262u
@@ -58,19 +64,28 @@ static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && 
 /* Returns 1 for a vertex of a stray component. */
 static inline int smr_surface_fragment(const smr_surface *s, uint32_t v)
 {
-    return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && (s->border[s->work.start[v]] & SMR_SKIPPED) != 0u;
+    return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && s->work.body[s->work.start[v]] == SMR_BODY_FRAGMENT;
 }
 
-/* Finds the closest acceptable triangle outside stray components. */
-static inline void smr_surface_search(const smr_surface *s, const smr_query *q, smr_hit *hit)
+/* The component of a vertex, SMR_BODY_...; points of a cloud belong to none that is numbered. */
+static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 {
-    smr_tree_closest_but(&s->tree, s->n_fragment > 0u ? s->border : NULL, q, hit);
+    return smr_is_cloud(s) ? SMR_BODY_SMALL : s->work.start[v] != SMR_NONE ? s->work.body[s->work.start[v]] : 0u;
+}
+
+/* Finds the closest acceptable triangle outside fragments and outside components whose `use` is 0. use:
+ * [SMR_BODY_FIRST + n_bodies]; NULL: all components are searched. */
+static inline void smr_surface_search(const smr_surface *s, const unsigned char *use, const smr_query *q, smr_hit *hit)
+{
+    const smr_tree_mask mask = {s->work.body, use};
+    smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit);
 }
 
 /* Stages of a build that find stray components, over the items first .. last-1. A refit runs the last stage, too. */
 void smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last);  /* vertices */
 void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
 void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */
+void smr_bodies_number(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */
 void smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
 void smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last); /* vertices */
 

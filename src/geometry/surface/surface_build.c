@@ -28,6 +28,7 @@ static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *
     s->work.tmp = smr_arena_take(a, nt, 2 * sizeof(uint32_t));
     s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
     s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t)); /* holds the counts of a sort first */
+    s->work.body = (unsigned char *)s->work.around;
     return self;
 }
 
@@ -256,6 +257,7 @@ static const struct {
     {smr_fragments_forget, OF_VERTICES, 0, 1},
     {smr_fragments_join, OF_TRIANGLES, 0, 2},
     {smr_fragments_sum, OF_TRIANGLES, 0, 1},
+    {smr_bodies_number, OF_TRIANGLES, 0, 1},
     {smr_fragments_mark, OF_TRIANGLES, 0, 1},
     {smr_fragments_release, OF_VERTICES, 1, 1},
     {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},

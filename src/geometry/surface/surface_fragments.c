@@ -2,6 +2,7 @@
  * Triangles with a common vertex belong to one component. A fragment is an open component of very few triangles, unless
  * fragments are a large part of all triangles. Registration ignores fragments: searches do not find them, they do not
  * attract, and they do not open a closed surface.
+ * Larger components get numbers, for a target may hold other bodies than the model's (outlier_weights.c).
  * Method: union-find over triangles, united by size (Tarjan 1975).
  * Bounds: the stages of a surface's build; a path has at most log2(n_triangles) steps.
  * SPDX-License-Identifier: MIT */
@@ -71,13 +72,24 @@ void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
         s->n_fragment = 0;
 }
 
+/* Replaces the border edges of each root by its component's number. */
+void smr_bodies_number(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++) {
+        if (parent(s)[k] != k)
+            continue;
+        const int fragment = s->n_fragment > 0u && is_fragment(s, k);
+        const int large = count(s)[k] > s->tree.n_triangles / SMR_BODY_PART;
+        edges(s)[k] = fragment ? SMR_BODY_FRAGMENT : large ? SMR_BODY_FIRST + s->n_bodies++ : SMR_BODY_SMALL;
+    }
+}
+
 void smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t k = first; k < last; k++)
-        if (s->n_fragment > 0u && is_fragment(s, root(s, k)))
-            s->border[k] |= SMR_SKIPPED;
-        else
-            s->open |= (s->border[k] & 7u) != 0u;
+    for (uint32_t k = first; k < last; k++) {
+        s->work.body[k] = (unsigned char)edges(s)[root(s, k)];
+        s->open |= s->work.body[k] != SMR_BODY_FRAGMENT && (s->border[k] & 7u) != 0u;
+    }
 }
 
 void smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last)

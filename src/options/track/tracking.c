@@ -15,9 +15,10 @@
 #define SMR_TRACK_LOST 0.9f      /* that ratio in an image, where vertices out of reach may find a wrong goal nearby */
 #define SMR_TRACK_NARROWING 0.5f /* first share of a target's iterations, in which search distances in an image fall */
 #define SMR_TRACK_COARSE 24u     /* iterations at all coarser radii together after a jump */
-#define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum after a jump: with more the model oscillates */
-#define SMR_TRACK_STEADY 0.6f    /* largest momentum for clouds beside an image: points attract faster than a surface */
-#define SMR_TRACK_GAIN 3.0f      /* largest factor on forces at coarser radii after a jump */
+#define SMR_TRACK_STILL 0.2f    /* displacement at which the model rests, as a share of the targets' typical residual */
+#define SMR_TRACK_MOMENTUM 0.7f /* largest momentum after a jump: with more the model oscillates */
+#define SMR_TRACK_STEADY 0.6f   /* largest momentum for clouds beside an image: points attract faster than a surface */
+#define SMR_TRACK_GAIN 3.0f     /* largest factor on forces at coarser radii after a jump */
 
 void smr_tracking_momentum(smr *s)
 {
@@ -185,7 +186,8 @@ static float reach_mm(const smr *s)
 /* Decides in the first iteration with new targets. When a partial view jumps, fewer and nearer goals remain. */
 void smr_tracking_find_jump(smr *s)
 {
-    const float mean = s->forces.totals.mean, reach = reach_mm(s);
+    /* pulls leave out residuals beyond their scale, so the mean of goals alone is small after a jump */
+    const float mean = smr_max(s->forces.totals.mean, smr_residual_typical(&s->forces.surface)), reach = reach_mm(s);
     if (!s->schedule.tracking || s->schedule.recovering || s->schedule.radius_iteration > 0u)
         return;
     const float enough = s->forces.image.has_image ? SMR_TRACK_LOST : SMR_TRACK_FEWER;
@@ -220,6 +222,7 @@ void smr_tracking_next(smr *s)
     }
     s->schedule.gain = 1.0f;
     s->schedule.found = share_found(s);
-    s->schedule.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track.settle_um ||
+    const float noise_mm = SMR_TRACK_STILL * smr_residual_typical(&s->forces.surface);
+    s->schedule.settled = s->evolve.moved_mm < smr_max(s->shared.config.track.settle_um * 1.0e-3f, noise_mm) ||
                           s->schedule.radius_iteration >= s->shared.config.track.iterations;
 }

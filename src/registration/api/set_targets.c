@@ -5,6 +5,19 @@
 /* Number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
+/* Goal k on a surface that structure i is the first to have. before: goal k - 1, NULL for the first. Components get a
+ * number of their own while there is room for those of all targets. */
+static smr_goal goal_on(const smr_surface *surface, uint32_t k, uint32_t i, const smr_goal *before)
+{
+    const uint32_t first = before == NULL ? 0u : before->first_body + before->n_bodies + SMR_BODY_FIRST;
+    const int room = first + surface->n_bodies <= SMR_BODY_PART + SMR_BODY_FIRST * k;
+    return (smr_goal){.surface = surface,
+                      .n_vertices = surface->n_vertices,
+                      .structure = i,
+                      .first_body = first,
+                      .n_bodies = room ? surface->n_bodies : 0u};
+}
+
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
 {
     const smr_target *target = g->target;
@@ -17,8 +30,11 @@ uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_
             known++;
         if (surface == NULL || known < i)
             continue;
-        if (goal != NULL)
-            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots};
+        if (goal != NULL) {
+            goal[*n_goals] = goal_on(surface, *n_goals, i, *n_goals > 0u ? &goal[*n_goals - 1u] : NULL);
+            goal[*n_goals].first_task = *n_tasks;
+            goal[*n_goals].first_warm = (uint32_t)slots;
+        }
         ++*n_goals;
         *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
         slots += slots_of(surface);
@@ -124,10 +140,12 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
     smr_note_target(g, first, last);
     smr_forces_unmeasured(&s->forces);
     smr_take_goals(g);
-    if (grown)
+    if (grown) {
         smr_pulls_clear(g);
-    else
+    } else {
         forget_searches(g, structure);
+        smr_outliers_forget(g, structure);
+    }
     if (smr_visibility_on(g))
         smr_visibility_start(g);
     smr_tracking_changed(s, surface != NULL && !grown ? SMR_CHANGED_SHOWN : SMR_CHANGED);

@@ -18,6 +18,9 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
         smr_keep_words(a, &t->n_visible, 1, shared->n);
         smr_keep_words(a, &t->n_judged, 1, shared->n);
         smr_keep_words(a, &t->measured, 1, 1);
+        smr_keep_words(a, &t->others, 1, 1);
+        smr_keep_floats(a, &t->scale, 1, 0.0f, SMR_KEPT_MM);
+        smr_keep_floats(a, &t->area_share, 1, 0.0f, 1.0f);
         if (shared->config.track.mode != SMR_TRACK_OFF)
             smr_keep_floats(a, &t->view.x, 3, -SMR_KEPT_UNIT, SMR_KEPT_UNIT);
         g->partial |= t->partial;
@@ -41,6 +44,10 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
         return;
     g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
+    g->target_residual = smr_slot_scratch(a, g->target_residual, m, sizeof *g->target_residual);
+    g->histogram = smr_slot_scratch(a, g->histogram, SMR_RESIDUALS, sizeof *g->histogram);
+    g->body_weight = smr_slot_bytes(a, g->body_weight, SMR_BODY_SLOTS(shared->n_structures), 255u);
+    g->body_sum = smr_slot_scratch(a, g->body_sum, SMR_BODY_SLOTS(shared->n_structures), sizeof *g->body_sum);
     g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
 }
 
@@ -59,6 +66,7 @@ void smr_target_warm_clear(smr_surface_goals *g)
 void smr_surface_goals_reset(smr_surface_goals *g)
 {
     smr_pulls_clear(g);
+    smr_outliers_forget(g, SMR_ALL);
     if (g->visibility != NULL) {
         memset(g->visibility, 0, g->shared->n);
         memset(g->visibility_next, 0, g->shared->n);
@@ -72,6 +80,8 @@ void smr_surface_goals_reset(smr_surface_goals *g)
 
 void smr_surface_goals_commit(smr_surface_goals *g)
 {
+    if (smr_attraction_on(g))
+        smr_outliers_commit(g);
     memcpy(g->warm, g->warm_next, g->schedule->n_active * sizeof *g->warm);
 }
 
@@ -106,7 +116,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* a vertex without triangles has no normal: all normals agree */
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
-    smr_surface_search(target, &q, &hit);
+    smr_surface_search(target, smr_other_bodies(g, smr_model_owner(g->shared->model, v)), &q, &hit);
     if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;

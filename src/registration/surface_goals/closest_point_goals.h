@@ -20,6 +20,9 @@ typedef struct smr_target {
     uint32_t measured;            /* 1: forces were completed since the target was set or removed */
     uint32_t n_vertices, changes; /* vertices and change counter of the surface when it was set */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
+    float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
+    float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
+    uint32_t others;              /* 1: the target holds bodies that no goal lies on (outlier_weights.c) */
     smr_vec view;                 /* cloud: mean normal of the model's visible places; 0: unknown */
 } smr_target;
 
@@ -28,8 +31,23 @@ typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task; /* first task of this target in the target-to-model search */
     uint32_t n_vertices; /* vertices of the surface when it was set */
-    uint32_t first_warm; /* first index of its vertices in target_warm */
+    uint32_t first_warm; /* first index of its vertices in target_warm and target_residual */
+    uint32_t structure;  /* first structure with this target */
+    uint32_t first_body; /* first index of its components in body_weight and body_sum */
+    uint32_t n_bodies;   /* components of the surface with a number of their own; 0 where there is no room for them */
+    float scale, area_share; /* as in smr_target, of the current forces */
+    float model_area;        /* mm^2: area of the structures with this target, summed so far */
 } smr_goal;
+
+/* Sums over the vertices of a component of a target. */
+typedef struct smr_body_sum {
+    uint32_t area;   /* in units of 1 / 16 of the target's mean area */
+    uint32_t inlier; /* area times weight */
+} smr_body_sum;
+
+#define SMR_RESIDUAL_NONE 65535u /* target_residual of a vertex without a closest point */
+#define SMR_RESIDUALS 200u       /* eighths of an octave in which residuals are counted; the last one: none */
+#define SMR_BODY_SLOTS(n_structures) (SMR_BODY_PART + SMR_BODY_FIRST * (n_structures))
 
 /* A structure's cloud when it was set. */
 typedef struct smr_points_then {
@@ -54,8 +72,12 @@ typedef struct smr_surface_goals {
     uint32_t *warm;        /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] closest target triangle in the current forces, which may be restarted */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
-    int64_t *pull;         /* [n_workers][n][4] sums of pulls, and weight; 0 between iterations; NULL: no attraction */
-    uint8_t *visibility;   /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
+    uint16_t *target_residual; /* [n_target_vertices] residuals (outlier_weights.c) */
+    uint64_t *histogram;       /* [SMR_RESIDUALS] area of a target's vertices by residual */
+    uint8_t *body_weight;      /* [SMR_BODY_SLOTS] 0..255: how far the vertices of a component pull; 0: another body */
+    smr_body_sum *body_sum;    /* [SMR_BODY_SLOTS] */
+    int64_t *pull;       /* [n_workers][n][4] sums of pulls, and weight; 0 between iterations; NULL: no attraction */
+    uint8_t *visibility; /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
     uint8_t *visibility_next; /* [n] visibility in the current forces */
     uint32_t partial;         /* 1: some target is partial */
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
@@ -94,10 +116,51 @@ int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, con
 float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float mean_square);
 
 /* Target-to-model attraction. */
-int smr_attraction_on(const smr_surface_goals *g);                       /* 1: target vertices pull in this iteration */
-int smr_attracts(const smr_surface_goals *g, const smr_surface *target); /* 1: this target pulls; a cloud always does */
+static inline int smr_attraction_on(const smr_surface_goals *g)
+{
+    return (g->shared->config.basic.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
+}
+
+/* Returns 1 when this target pulls; a cloud always does. */
+static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
+{
+    return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
+}
+
+/* Target-to-model attraction: the search of target vertices. */
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
+
+/* The area of a target vertex over the mean, at most 16; a point's weight. */
+static inline float smr_target_area(const smr_surface *s, uint32_t j)
+{
+    return s->area_mean > 0.0f ? smr_min(s->area[j] / s->area_mean, 16.0f) : 1.0f;
+}
+
+/* outlier_weights.c. Weight of the pull of target vertex j with the squared residual r2, mm^2, 0..1. Then: notes a
+ * residual at a slot of target_residual. */
+float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2);
+void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm);
+/* The goal on a structure's target, which must have one. */
+static inline const smr_goal *smr_goal_of(const smr_surface_goals *g, uint32_t structure)
+{
+    const smr_goal *goal = g->goal;
+    while (goal->surface != g->target[structure].surface)
+        goal++;
+    return goal;
+}
+
+/* Weights of the components of a structure's target, of which those with 0 hold no goal; NULL: all may. */
+const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure);
+/* Step: scale and inliers of each target, from the residuals; tasks run one after the other. */
+uint32_t smr_outlier_tasks(const void *goals);
+void smr_outlier_sum(void *goals, uint32_t task, uint32_t worker);
+/* Mean over the targets that pull of the median residual of what the model can cover, in the last complete forces, mm;
+ * 0 without such a target. */
+float smr_residual_typical(const smr_surface_goals *g);
+void smr_outliers_commit(smr_surface_goals *g);                     /* called when the current forces are complete */
+void smr_outliers_forget(smr_surface_goals *g, uint32_t structure); /* a structure, or SMR_ALL, has another target */
+
 /* reads the sum and the weight of the pulls on a vertex, in units of 1 / SMR_PULL_SCALE */
 void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4]);
 void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]); /* the same; clears the pulls */

@@ -7,20 +7,9 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/closest_point_goals.h"
 
-#define SMR_AREA_MAX 16.0f /* largest weight of a target vertex, in mean areas */
 /* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL it does fully. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
-
-int smr_attraction_on(const smr_surface_goals *g)
-{
-    return (g->shared->config.basic.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
-}
-
-int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
-{
-    return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
-}
 
 uint32_t smr_attract_tasks(const void *arg)
 {
@@ -90,28 +79,32 @@ static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *
 }
 
 /* Finds the model point closest to one target vertex and adds its pull. */
-static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
+static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, int64_t *pull)
 {
+    const smr_surface *surface = goal->surface;
+    const uint32_t slot = goal->first_warm + j;
     const smr_vec y = smr_add(smr_get3(surface->xyz, j), smr_sub(surface->origin, g->shape->origin));
     smr_query q = {y, smr_get3(surface->normal, j), g->shared->min_cos, g->shared->config.forces.node_budget, SMR_NONE};
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
+    g->target_residual[slot] = SMR_RESIDUAL_NONE;
     if (smr_is_cloud(surface) && !(surface->area[j] > 0.0f))
         return;
     smr_near_list near;
-    const uint32_t found = closest_structure(g, surface, &q, *warm, &hit, &near);
+    const uint32_t found = closest_structure(g, surface, &q, g->target_warm[slot], &hit, &near);
     if (found == SMR_NONE)
         return;
     const smr_shape_structure *one = &g->shape->structure[found];
-    *warm = one->first_triangle + hit.triangle;
+    g->target_warm[slot] = one->first_triangle + hit.triangle;
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
-    if (smr_reject_distance(g, smr_dot(r, r)))
+    const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
+    smr_residual_put(g, slot, SMR_SQRT(r2));
+    if (smr_reject_distance(g, r2) || !(weight > 0.0f))
         return;
-    const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
     const float noise = smr_is_cloud(surface) ? g->shared->config.partial.noise_mm : 0.0f;
     for (uint32_t i = 0; i < near.n; i++)
-        add_pull(one, y, &near.item[i], area, noise, pull);
+        add_pull(one, y, &near.item[i], weight, noise, pull);
 }
 
 void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
@@ -127,7 +120,7 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     for (uint32_t j = first; j < last; j++)
-        pull_one(g, goal->surface, j, &g->target_warm[goal->first_warm + j], pull);
+        pull_one(g, goal, j, pull);
 }
 
 void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4])

@@ -128,6 +128,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
     SMR_STEP(CALLER, FORCES, TASKS, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
+    SMR_SERIAL_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_outlier_tasks, smr_outlier_sum, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve, NULL),
     SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),

@@ -38,7 +38,7 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
                              smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), min_cos, UINT32_MAX,
                              pair->triangle};
         smr_hit hit = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
-        smr_surface_search(to->surface, &q, &hit);
+        smr_surface_search(to->surface, NULL, &q, &hit);
         pair->triangle = hit.triangle;
         pair->d2 = hit.d2 * scale * scale;
         pair->border = 0;

@@ -1,0 +1,275 @@
+/* outlier_weights.c: the weight of a target vertex by its residual, its distance from the model. A target may hold more
+ * than the model: stray points, an instrument, neighbouring bodies in the same file. Residuals of what belongs to the
+ * model keep within a few scales. The scales are measured in each iteration and fall from coarse to fine.
+ * Method: redescending M-estimator, Tukey's biweight (Beaton and Tukey 1974). The scale is the residual below which
+ * half of the area lies that the model can cover: a median absolute deviation among inliers (Hampel 1974), also where
+ * the model is a small part of the target. A connected component of the target with few inliers is another body, and
+ * none of its vertices pulls. Not a mixture with a uniform share of outliers: that needs exponentials, and its
+ * deviation grows where outliers are most of the target.
+ * Bounds: two passes over the target vertices an iteration, one over the model's triangles for a new radius or target.
+ * SPDX-License-Identifier: MIT */
+#include "registration/surface_goals/closest_point_goals.h"
+
+#define SMR_OUTLIER_CHUNK 256u    /* target vertices, or triangles of the model, of a task */
+#define SMR_OUTLIER_SIGMA 1.4826f /* deviation of a normal distribution over its median absolute value */
+#define SMR_OUTLIER_CUT 4.685f    /* deviations at which the biweight is 0: 95 % efficiency for normal residuals */
+#define SMR_OUTLIER_EDGES 1.0f    /* smallest cut for a mesh, in mean edge lengths of the model: triangles are flat */
+#define SMR_OUTLIER_POINTS 0.25f  /* the same for a cloud: strays near the surface are the worst */
+#define SMR_OUTLIER_AREA 16.0f    /* areas are summed in units of 1 / 16 of the mean area */
+#define SMR_OUTLIER_RADII 0.35f   /* smallest cut in cluster radii, up to the last radius: large clusters are stiff */
+#define SMR_OUTLIER_TRACK 24.0f   /* cluster radius over the scale that is assumed for a moved target */
+
+/* Share of inliers of a component over the largest share of one: another body below NONE, the model's above FULL. */
+#define SMR_BODY_NONE 0.3f
+#define SMR_BODY_FULL 0.6f
+
+/* Residuals are kept in 16 bits, in 1 / 1024 of an octave from 2^-12 mm; they are counted in eighths of an octave. */
+#define SMR_RESIDUAL_LEAST ((127u - 12u) << 10)
+#define SMR_RESIDUAL_STEPS 128u /* steps of a residual in an eighth */
+
+void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm)
+{
+    const uint32_t steps = smr_float_bits(mm) >> 13;
+    g->target_residual[slot] =
+        (uint16_t)(steps <= SMR_RESIDUAL_LEAST ? 0u : smr_min_u32(steps - SMR_RESIDUAL_LEAST, SMR_RESIDUAL_NONE - 1u));
+}
+
+/* The least residual that is kept as so many steps, mm. */
+static float residual_of(uint32_t steps) { return smr_float_of((SMR_RESIDUAL_LEAST + steps) << 13); }
+
+static float biweight(float r2, float cut)
+{
+    const float q = 1.0f - r2 / (cut * cut);
+    return q > 0.0f ? q * q : 0.0f;
+}
+
+/* The residual at which a vertex of a target of this scale has no weight, mm. */
+static float cut_of(const smr_surface_goals *g, const smr_surface *surface, float scale)
+{
+    const float edges = smr_is_cloud(surface) ? SMR_OUTLIER_POINTS : SMR_OUTLIER_EDGES;
+    const int coarse = !g->schedule->tracking || g->schedule->recovering > 0u;
+    const float least = smr_max(edges * smr_le_float(g->shared->model->edge_mm),
+                                coarse ? SMR_OUTLIER_RADII * g->schedule->lists.radius : 0.0f);
+    return smr_max(SMR_OUTLIER_CUT * scale, least);
+}
+
+static uint32_t body_slot(const smr_goal *goal, uint32_t j)
+{
+    return goal->first_body + smr_min_u32(smr_surface_body(goal->surface, j), SMR_BODY_SMALL + goal->n_bodies);
+}
+
+float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2)
+{
+    const float scale = g->target[goal->structure].scale;
+    if (!(scale > 0.0f)) /* a new target: a mesh waits one iteration, a cloud has no other goals */
+        return smr_is_cloud(goal->surface) ? 1.0f : 0.0f;
+    return biweight(r2, cut_of(g, goal->surface, scale)) * (1.0f / 255.0f) * (float)g->body_weight[body_slot(goal, j)];
+}
+
+const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure)
+{
+    if (!g->target[structure].others || !smr_attraction_on(g))
+        return NULL;
+    return g->body_weight + smr_goal_of(g, structure)->first_body;
+}
+
+/* Tasks of one pass over a target; 0: it does not pull. */
+static uint32_t pass_tasks(const smr_surface_goals *g, const smr_goal *goal)
+{
+    return smr_attracts(g, goal->surface) ? smr_ceil_div(goal->n_vertices, SMR_OUTLIER_CHUNK) : 0u;
+}
+
+/* Tasks over the model's triangles: only for a new radius or target, and not for points, which are all the model's. */
+static uint32_t area_tasks(const smr_surface_goals *g, const smr_goal *goal)
+{
+    const int known = g->target[goal->structure].area_share > 0.0f && g->schedule->radius_iteration > 0u;
+    return known || smr_is_cloud(goal->surface) || !smr_attracts(g, goal->surface)
+               ? 0u
+               : smr_ceil_div(g->shared->n_triangles, SMR_OUTLIER_CHUNK);
+}
+
+static uint32_t goal_tasks(const smr_surface_goals *g, const smr_goal *goal)
+{
+    return area_tasks(g, goal) + 2u * pass_tasks(g, goal);
+}
+
+uint32_t smr_outlier_tasks(const void *arg)
+{
+    const smr_surface_goals *g = arg;
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < g->n_goals; k++)
+        n += goal_tasks(g, &g->goal[k]);
+    return n;
+}
+
+/* The area of a target vertex in units of 1 / SMR_OUTLIER_AREA of the mean area; a point's weight. */
+static uint32_t area_of(const smr_surface *surface, uint32_t j)
+{
+    return (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(surface, j) + 0.5f);
+}
+
+/* Adds the areas of triangles first .. last-1 of the model that belong to structures with this target. */
+static void add_area(const smr_surface_goals *g, smr_goal *goal, uint32_t first, uint32_t last)
+{
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        const smr_shape_structure *one = &g->shape->structure[i];
+        const uint32_t end = smr_min_u32(last, one->first_triangle + one->tree.n_triangles);
+        for (uint32_t k = smr_max_u32(first, one->first_triangle); g->target[i].surface == goal->surface && k < end;
+             k++) {
+            const uint32_t *c = one->tree.triangle + 3u * (size_t)(k - one->first_triangle);
+            const smr_vec a = smr_get3(g->shape->x, c[0]);
+            goal->model_area += 0.5f * smr_length(smr_cross(smr_sub(smr_get3(g->shape->x, c[1]), a),
+                                                            smr_sub(smr_get3(g->shape->x, c[2]), a)));
+        }
+    }
+}
+
+/* Largest share of a target's area that the structures with this target can cover. */
+static float area_share(const smr_surface_goals *g, const smr_goal *goal)
+{
+    const float all = goal->surface->area_mean * (float)goal->surface->n_used;
+    if (smr_is_cloud(goal->surface))
+        return 1.0f;
+    if (area_tasks(g, goal) == 0u)
+        return g->target[goal->structure].area_share;
+    return goal->model_area < all ? goal->model_area / all : 1.0f;
+}
+
+/* Counts a residual at the two eighths around it, so that the scale follows residuals without jumps. */
+static void tally(smr_surface_goals *g, uint32_t steps, uint32_t area)
+{
+    const uint32_t eighth = smr_min_u32(steps / SMR_RESIDUAL_STEPS, SMR_RESIDUALS - 2u),
+                   part = steps % SMR_RESIDUAL_STEPS;
+    if (steps == SMR_RESIDUAL_NONE) {
+        g->histogram[SMR_RESIDUALS - 1u] += (uint64_t)area * SMR_RESIDUAL_STEPS;
+        return;
+    }
+    g->histogram[eighth] += (uint64_t)area * (SMR_RESIDUAL_STEPS - part);
+    g->histogram[eighth + 1u] += (uint64_t)area * part;
+}
+
+/* The scale of a target's residuals, mm; 0: the model reaches too little of it. */
+static float scale_of(const smr_surface_goals *g, float share)
+{
+    float half = 0.0f, sum = 0.0f;
+    uint32_t k = 0;
+    for (uint32_t i = 0; i < SMR_RESIDUALS; i++)
+        half += 0.5f * share * (float)g->histogram[i];
+    while (k < SMR_RESIDUALS - 1u && sum + (float)g->histogram[k] < half)
+        sum += (float)g->histogram[k++];
+    if (k == SMR_RESIDUALS - 1u)
+        return 0.0f;
+    const float high = residual_of(k * SMR_RESIDUAL_STEPS),
+                low = k > 0u ? residual_of((k - 1u) * SMR_RESIDUAL_STEPS) : high;
+    const float part = g->histogram[k] > 0u ? (half - sum) / (float)g->histogram[k] : 0.0f;
+    return SMR_OUTLIER_SIGMA * (low + part * (high - low));
+}
+
+/* First pass: counts residuals. Second pass: sums inliers of components. */
+static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t chunk, int second)
+{
+    const float cut = cut_of(g, goal->surface, goal->scale);
+    const uint32_t last = smr_min_u32((chunk + 1u) * SMR_OUTLIER_CHUNK, goal->n_vertices);
+    for (uint32_t j = chunk * SMR_OUTLIER_CHUNK; j < last; j++) {
+        const uint32_t steps = g->target_residual[goal->first_warm + j], area = area_of(goal->surface, j);
+        if (!second) {
+            tally(g, steps, area);
+            continue;
+        }
+        const float r = residual_of(steps);
+        smr_body_sum *sum = &g->body_sum[body_slot(goal, j)];
+        sum->area += area;
+        sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area) : 0u;
+    }
+}
+
+void smr_outlier_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_surface_goals *g = arg;
+    smr_goal *goal = g->goal;
+    (void)worker;
+    for (; task >= goal_tasks(g, goal); goal++)
+        task -= goal_tasks(g, goal);
+    const uint32_t n_area = area_tasks(g, goal), n = pass_tasks(g, goal);
+    if (task == 0u) {
+        goal->model_area = 0.0f;
+        memset(g->histogram, 0, SMR_RESIDUALS * sizeof *g->histogram);
+        memset(g->body_sum + goal->first_body, 0, (SMR_BODY_FIRST + goal->n_bodies) * sizeof *g->body_sum);
+    }
+    if (task < n_area) {
+        add_area(g, goal, task * SMR_OUTLIER_CHUNK,
+                 smr_min_u32((task + 1u) * SMR_OUTLIER_CHUNK, g->shared->n_triangles));
+        return;
+    }
+    task -= n_area;
+    if (task == n) {
+        goal->area_share = area_share(g, goal);
+        goal->scale = scale_of(g, goal->area_share);
+    }
+    add_vertices(g, goal, task % n, task >= n);
+}
+
+static float inlier_share(const smr_body_sum *sum)
+{
+    return sum->area > 0u ? (float)sum->inlier / (float)sum->area : 0.0f;
+}
+
+/* Weighs each component of a target. */
+static void weigh_bodies(smr_surface_goals *g, const smr_goal *goal)
+{
+    const smr_body_sum *sum = g->body_sum + goal->first_body;
+    uint8_t *weight = g->body_weight + goal->first_body;
+    smr_target *target = &g->target[goal->structure];
+    float most = 0.0f;
+    target->others = 0;
+    for (uint32_t b = SMR_BODY_FIRST; b < SMR_BODY_FIRST + goal->n_bodies; b++)
+        most = smr_max(most, inlier_share(&sum[b]));
+    for (uint32_t b = SMR_BODY_FIRST; b < SMR_BODY_FIRST + goal->n_bodies; b++) {
+        const float over = most > 0.0f ? inlier_share(&sum[b]) / most : 1.0f;
+        const float share = smr_clamp((over - SMR_BODY_NONE) / (SMR_BODY_FULL - SMR_BODY_NONE), 0.0f, 1.0f);
+        weight[b] = (uint8_t)(255.0f * share + 0.5f);
+        target->others |= weight[b] == 0u;
+    }
+}
+
+void smr_outliers_commit(smr_surface_goals *g)
+{
+    for (uint32_t k = 0; k < g->n_goals; k++) {
+        const smr_goal *goal = &g->goal[k];
+        if (!smr_attracts(g, goal->surface))
+            continue;
+        g->target[goal->structure].scale = goal->scale;
+        g->target[goal->structure].area_share = goal->area_share;
+        weigh_bodies(g, goal);
+    }
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        for (uint32_t k = 0; k < g->n_goals; k++)
+            if (g->goal[k].surface == g->target[i].surface)
+                g->target[i].others = g->target[g->goal[k].structure].others;
+}
+
+float smr_residual_typical(const smr_surface_goals *g)
+{
+    float sum = 0.0f, n = 0.0f;
+    for (uint32_t k = 0; k < g->n_goals; k++) {
+        const float one = smr_attracts(g, g->goal[k].surface) ? 1.0f : 0.0f;
+        sum += one * g->target[g->goal[k].structure].scale;
+        n += one;
+    }
+    return n > 0.0f ? sum / (n * SMR_OUTLIER_SIGMA) : 0.0f;
+}
+
+void smr_outliers_forget(smr_surface_goals *g, uint32_t structure)
+{
+    const float scale = g->schedule->tracking ? g->schedule->lists.radius / SMR_OUTLIER_TRACK : 0.0f;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        smr_target *target = &g->target[i];
+        if (structure == SMR_ALL || structure == i) {
+            target->scale = scale > 0.0f ? smr_max(target->scale, scale) : 0.0f;
+            target->area_share = 0.0f;
+        }
+        target->others = 0;
+    }
+    if (g->body_weight != NULL)
+        memset(g->body_weight, 255, SMR_BODY_SLOTS(g->shared->n_structures));
+}

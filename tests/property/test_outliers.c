@@ -1,0 +1,150 @@
+/* test_outliers.c: what a target holds beside the model: other bodies in the same mesh, and stray points in a cloud,
+ * neither pull the model nor count against it.
+ * SPDX-License-Identifier: MIT */
+#include "suite.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "registration/registration.h"
+#include "rig.h"
+#include "unit/oracle.h"
+
+static smr_mesh source, target;
+
+/* The target, and n copies of it, each farther along x by `apart` mm. */
+static smr_mesh with_copies(uint32_t n, float apart)
+{
+    const uint32_t nv = target.n_vertices, nt = target.n_triangles;
+    float *xyz = rig_alloc((n + 1u) * 3u * (size_t)nv * sizeof *xyz);
+    uint32_t *triangles = rig_alloc((n + 1u) * 3u * (size_t)nt * sizeof *triangles);
+    for (uint32_t k = 0; k <= n; k++) {
+        for (uint32_t i = 0; i < 3u * nv; i++)
+            xyz[3u * (size_t)nv * k + i] = target.xyz[i] + (i % 3u == 0u ? apart * (float)k : 0.0f);
+        for (uint32_t i = 0; i < 3u * nt; i++)
+            triangles[3u * (size_t)nt * k + i] = target.triangles[i] + nv * k;
+    }
+    return (smr_mesh){.xyz = xyz, .n_vertices = (n + 1u) * nv, .triangles = triangles, .n_triangles = (n + 1u) * nt};
+}
+
+static smr *onto_mesh(const smr_mesh *mesh, smr_verdict *verdict)
+{
+    smr_config config = smr_config_default();
+    config.basic.n_target_vertices = mesh->n_vertices;
+    smr *s = rig_init(rig_model(&source, 1, NULL), &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(mesh)));
+    (void)rig_run(s, 1000);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, verdict));
+    return s;
+}
+
+/* Mean distance between the vertices of two results, mm. */
+static float apart(const smr *a, const smr *b)
+{
+    const float *p = rig_positions(a, a->shared.model), *q = rig_positions(b, b->shared.model);
+    float sum = 0.0f;
+    for (size_t v = 0; v < source.n_vertices; v++)
+        sum += smr_length(smr_sub(smr_load(p + 3u * v), smr_load(q + 3u * v)));
+    return sum / (float)source.n_vertices;
+}
+
+/* Bodies of one to five times the model's area beside it: the model ends where it ends without them. */
+TEST(test_other_bodies)
+{
+    smr_verdict verdict;
+    const smr *alone = onto_mesh(&target, &verdict);
+    assert_true(verdict.other_share == 0.0f && verdict.level == SMR_VERDICT_GOOD);
+    for (uint32_t n = 1; n <= 5u; n += 2u) {
+        const smr_mesh scene = with_copies(n, 70.0f);
+        smr *s = onto_mesh(&scene, &verdict);
+        assert_true(s->forces.surface.target[0].others == 1u);
+        assert_true(apart(s, alone) < 0.1f);
+        assert_true(fabsf(verdict.other_share - (float)n / (float)(n + 1u)) < 0.01f);
+        assert_true(verdict.level == SMR_VERDICT_GOOD && verdict.target_covered > 0.99f);
+    }
+}
+
+/* A body that the model lies on in part only is no other body: the parts of a target all pull. */
+TEST(test_parts_of_the_model)
+{
+    smr_verdict verdict;
+    smr_mesh parts = target;
+    uint32_t *kept = rig_alloc(3u * (size_t)target.n_triangles * sizeof *kept), n = 0;
+    for (uint32_t k = 0; k < target.n_triangles; k++) {
+        const uint32_t *t = target.triangles + 3u * (size_t)k;
+        const float z = target.xyz[3u * t[0] + 2u];
+        if (fabsf(z - 215.0f) > 40.0f) /* the middle is missing */
+            memcpy(kept + 3u * n++, t, 3u * sizeof *t);
+    }
+    parts.triangles = kept;
+    parts.n_triangles = n;
+    smr *s = onto_mesh(&parts, &verdict);
+    assert_true(s->forces.surface.goal[0].n_bodies >= 2u && s->forces.surface.target[0].others == 0u);
+    assert_true(verdict.other_share < 0.01f);
+}
+
+static smr *onto_points(double strays, smr_verdict *verdict)
+{
+    oracle_random r = oracle_seed(5);
+    smr_config config = smr_config_default();
+    smr_points *cloud = NULL;
+    const uint32_t n = target.n_vertices;
+    config.basic.n_target_vertices = n;
+    assert_int_equal(SMR_OK, smr_points_open(n, rig_alloc(SMR_POINTS_BYTES(n)), SMR_POINTS_BYTES(n), &cloud));
+    for (uint32_t v = 0; v < n; v++) {
+        float p[3];
+        memcpy(p, target.xyz + 3u * (size_t)v, sizeof p);
+        const int stray = oracle_uniform(&r, 0.0, 1.0) < strays;
+        for (uint32_t c = 0; c < 3u; c++)
+            p[c] += oracle_uniformf(&r, stray ? -40.0f : -0.5f, stray ? 40.0f : 0.5f);
+        assert_int_equal(SMR_OK, smr_points_add(cloud, p, NULL, NULL, 1));
+    }
+    smr *s = rig_init(rig_model(&source, 1, NULL), &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    (void)rig_run(s, 1000);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, verdict));
+    return s;
+}
+
+TEST(test_stray_points)
+{
+    static const double strays[] = {0.01, 0.05, 0.2};
+    smr_verdict verdict;
+    const smr *alone = onto_points(0.0, &verdict);
+    assert_true(verdict.other_share < 0.01f);
+    for (uint32_t k = 0; k < 3u; k++) {
+        smr *s = onto_points(strays[k], &verdict);
+        assert_true(apart(s, alone) < (k < 2u ? 0.2f : 0.5f));
+        assert_true(verdict.level == SMR_VERDICT_GOOD);
+        assert_true(fabsf(verdict.other_share - (float)strays[k]) < 0.3f * (float)strays[k] + 0.01f);
+    }
+    (void)onto_points(0.7, &verdict);
+    assert_true(verdict.level != SMR_VERDICT_GOOD);
+}
+
+/* More components than have numbers, with targets that share the room: every one is weighed or counts in full. */
+TEST(test_many_components)
+{
+    smr_verdict verdict;
+    const smr_mesh scene = with_copies(40, 9.0f);
+    smr_config config = smr_config_default();
+    smr_mesh two[2] = {source, source};
+    config.basic.n_target_vertices = 2u * scene.n_vertices;
+    smr *s = rig_init(rig_model(two, 2, NULL), &config, NULL);
+    for (uint32_t i = 0; i < 2u; i++)
+        assert_int_equal(SMR_OK, smr_set_surface(s, i, rig_surface(&scene)));
+    for (uint32_t i = 0; i < 5u; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    const smr_surface_goals *g = &s->forces.surface;
+    assert_true(g->goal[1].first_body + g->goal[1].n_bodies + SMR_BODY_FIRST <= SMR_BODY_SLOTS(2u));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    rig_bone(9000, 1.0f, &source, &target);
+    return 0;
+}
+
+int main(void) { return suite_run(set_up, NULL); }
