@@ -67,7 +67,7 @@ static inline int smr_surface_fragment(const smr_surface *s, uint32_t v)
     return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && s->work.body[s->work.start[v]] == SMR_BODY_FRAGMENT;
 }
 
-/* The component of a vertex, SMR_BODY_...; points of a cloud belong to none that is numbered. */
+/* Returns the component of a vertex, SMR_BODY_...; SMR_BODY_SMALL for all points of a cloud. */
 static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 {
     return smr_is_cloud(s) ? SMR_BODY_SMALL : s->work.start[v] != SMR_NONE ? s->work.body[s->work.start[v]] : 0u;

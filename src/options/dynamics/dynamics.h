@@ -113,7 +113,7 @@ static inline int smr_moves(const smr *s) { return SMR_HAS_DYNAMICS && s->shape.
 
 void smr_time_steps_start(smr *s); /* starts at rest; x becomes the rest shape */
 void smr_time_steps_begin(smr *s); /* before an iteration: decides whether it ends a time step */
-void smr_time_steps_next(smr *s);  /* after an iteration: x^r follows; at a time step's end new velocities */
+void smr_time_steps_next(smr *s);  /* call after each iteration: moves x^r; a time step's last one sets velocities */
 void smr_time_steps_weigh(smr *s); /* called for new masses: computes weights of fits */
 
 /* Returns the mass of a vertex that its rounded weight in the fits stands for, g. 0: the vertex is pinned. */

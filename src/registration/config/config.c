@@ -28,7 +28,7 @@ smr_config smr_config_default_image(void)
 smr_config smr_config_paper(void)
 {
     smr_config config = smr_config_default_image(), *const c = &config;
-    /* 3, geometric registration: source vertices are projected onto the target, whatever lies between */
+    /* the paper's section 3, geometric registration: source vertices are projected onto the target at any distance */
     c->basic.search_mm = SMR_COORD_MAX;
     c->forces.search_radii = 1.0e6f;
     c->forces.normal_deg = 180.0f;

@@ -15,7 +15,8 @@
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 
-/* Result of the search for a vertex' goal over all sources; and of the search in the image alone. */
+/* Result of a vertex' search for a goal: no target; a goal; no acceptable goal; the image gives no answer. Then that of
+ * the search in the image alone. */
 enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
 

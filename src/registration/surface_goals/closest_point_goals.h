@@ -41,7 +41,7 @@ typedef struct smr_goal {
 
 /* Sums over the vertices of a component of a target. */
 typedef struct smr_body_sum {
-    uint32_t area;   /* in units of 1 / 16 of the target's mean area */
+    uint32_t area;   /* area of the vertices, in units of 1 / 16 of the mean area of a target vertex */
     uint32_t inlier; /* area times weight */
 } smr_body_sum;
 

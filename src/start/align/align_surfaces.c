@@ -29,7 +29,7 @@
 #define SMR_OTHER_SHIFT 0.15f /* clearly different poses: least distance, as a share of the target's spread */
 #define SMR_ALIKE_COST 1.1f   /* another pose matches as well: largest ratio of its cost to that of the best pose */
 #define SMR_ALIKE_SLACK 0.01f /* cost that is added to the limit by SMR_ALIKE_COST */
-#define SMR_POSE_ROUNDING 1.0e-3f  /* tolerance of the given rotation's entries */
+#define SMR_POSE_ROUNDING 1.0e-3f  /* largest error of an entry of R^T R of a given rotation */
 #define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; its inverse is the smallest */
 
 /* State of smr_align() in the caller's memory. */
