@@ -1178,7 +1178,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
      ((nv) < 190u ? (size_t)64u * (190u - (nv)) : (size_t)0u) + (size_t)(12u + SMR_SWAPPED_BYTES) * (nt) +             \
      (size_t)(nt) / 16u + (size_t)256u * (ns) +                                                                        \
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
-                                : (size_t)4032u + (size_t)24u * (ns) + (size_t)6u * (n_target_vertices) +              \
+                                : (size_t)6080u + (size_t)40u * (ns) + (size_t)6u * (n_target_vertices) +              \
                                       (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))
 #define SMR_ARENA_LANDMARKS_BYTES(nv, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (nv))
 #define SMR_ARENA_TRACK_BYTES(nv, ns) /* 12 nv less without intensity profiles */                                      \

@@ -155,7 +155,8 @@ static void judge_together(smr_verdict *v)
 {
     const int doubtful = v->goals_share < 0.0f || (v->reasons & SMR_REASON_SIMILARITY) != 0u;
     if (v->reasons == SMR_REASON_UNCOVERED) {
-        v->level = v->visible_share > SMR_VISIBLE_ALL ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK;
+        const int part = v->visible_share > SMR_VISIBLE_ALL && v->target_covered >= SMR_COVERED_FAILED;
+        v->level = part ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK;
         v->reasons = v->level == SMR_VERDICT_GOOD ? 0u : v->reasons;
     }
     if (count(v->reasons) >= SMR_REASONS_FAILED || (doubtful && v->expected_error_mm > SMR_EXPECTED_FAILED))
@@ -235,6 +236,8 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     smr_measure_moved(s, structure, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u);
     check_most(verdict, SMR_REASON_UNCOVERED, smr_mean_of(e->strays, 0.0f), SMR_STRAYS_MOST, SMR_STRAYS_FAILED);
+    if (count(verdict->reasons) >= SMR_REASONS_FAILED)
+        verdict->level = SMR_VERDICT_FAILED;
 }
 
 /* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not. */

@@ -83,6 +83,36 @@ TEST(test_parts_of_the_model)
     assert_true(verdict.other_share < 0.01f);
 }
 
+/* A plate of triangles that are a hundred times as large as the model's, 40 mm off: a table under a scanned bone. */
+TEST(test_coarse_plate)
+{
+    enum { SIDE = 6 };
+    smr_verdict verdict;
+    const uint32_t nv = target.n_vertices, nt = target.n_triangles;
+    float *xyz = rig_alloc(3u * ((size_t)nv + SIDE * SIDE) * sizeof *xyz);
+    uint32_t *t = rig_alloc(3u * ((size_t)nt + 2u * (SIDE - 1) * (SIDE - 1)) * sizeof *t), n = 3u * nt;
+    memcpy(xyz, target.xyz, 3u * (size_t)nv * sizeof *xyz);
+    memcpy(t, target.triangles, 3u * (size_t)nt * sizeof *t);
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        const float p[3] = {130.0f, 100.0f * (float)(i % SIDE) - 250.0f, 100.0f * (float)(i / SIDE) - 50.0f};
+        memcpy(xyz + 3u * ((size_t)nv + i), p, sizeof p);
+    }
+    for (uint32_t i = 0; i < SIDE * (SIDE - 1u); i++) {
+        if (i % SIDE == SIDE - 1u)
+            continue;
+        const uint32_t a = nv + i, corner[6] = {a, a + 1u, a + SIDE, a + 1u, a + SIDE + 1u, a + SIDE};
+        memcpy(t + n, corner, sizeof corner);
+        n += 6u;
+    }
+    const smr_mesh scene = {.xyz = xyz, .n_vertices = nv + SIDE * SIDE, .triangles = t, .n_triangles = n / 3u};
+    const smr *alone = onto_mesh(&target, &verdict);
+    const float residual = verdict.residual_mm;
+    smr *s = onto_mesh(&scene, &verdict);
+    assert_true(apart(s, alone) < 1.5f); /* the plate is open, so the target counts as one that may lack parts */
+    assert_true(verdict.residual_mm < 1.1f * residual + 0.02f && verdict.level == SMR_VERDICT_GOOD);
+    assert_true(verdict.other_share > 0.5f && verdict.target_covered > 0.99f);
+}
+
 static smr *onto_points(double strays, smr_verdict *verdict)
 {
     oracle_random r = oracle_seed(5);

@@ -203,13 +203,14 @@ TEST(test_refused)
     static const struct {
         uint32_t from_end, value;
     } forged[] = {
-        {7, 0},                             /* tracking: but it is settled */
-        {6, 1},                             /* recovering: but it is at tracking's own radius */
-        {6, 3},           {2, 0x40a00000u}, /* gain: 5 */
-        {1, 0xbf800000u},                   /* found: -1 */
-        {11, 1},                            /* done: but it tracks */
-        {17, 1000},                         /* iterations at this radius */
-        {18, 0},                            /* radius: coarser, but it does not recover */
+        {8, 0},                             /* tracking: but it is settled */
+        {7, 1},                             /* recovering: but it is at tracking's own radius */
+        {7, 3},           {3, 0x40a00000u}, /* gain: 5 */
+        {2, 0xbf800000u},                   /* found: -1 */
+        {1, 0xbf800000u},                   /* noise: -1 mm */
+        {12, 1},                            /* done: but it tracks */
+        {18, 1000},                         /* iterations at this radius */
+        {19, 0},                            /* radius: coarser, but it does not recover */
     };
     unsigned char good[4];
     size_t bytes = 0;

@@ -50,6 +50,7 @@ void smr_tracking_keep(smr_arena *a, smr *s)
     smr_keep_words(a, &p->jumped, 1, 1);
     smr_keep_floats(a, &p->gain, 1, 1.0f, SMR_TRACK_GAIN);
     smr_keep_floats(a, &p->found, 1, 0.0f, 1.0f);
+    smr_keep_floats(a, &p->noise_mm, 1, 0.0f, SMR_KEPT_MM);
     if (smr_follows_images(&s->shared))
         smr_keep_words(a, &p->image_age, 1, SMR_IMAGE_PAST);
     smr_keep_require(a, p->tracking || !(p->recovering || p->changed || p->settled || p->jumped || p->image_age));
@@ -77,6 +78,7 @@ void smr_tracking_start(smr *s)
     s->schedule.changed =
         s->forces.unmeasured ? SMR_CHANGED : 0u; /* a target is newer than the schedule's last forces */
     s->schedule.found = share_found(s);
+    s->schedule.noise_mm = smr_residual_typical(&s->forces.surface);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
     smr_plastic_positions(&s->shape);
     smr_track_rest_start(&s->shape);
@@ -89,7 +91,7 @@ void smr_tracking_end(smr *s)
     s->schedule.image_age = SMR_IMAGE_NEW;
     if (s->shape.track_rest != NULL)
         s->shape.track_rest->due = 0;
-    s->schedule.found = 0.0f;
+    s->schedule.found = s->schedule.noise_mm = 0.0f;
 }
 
 /* Returns the factor on forces: above 1 at coarser radii, where vertices without a goal hold large clusters back. */
@@ -187,7 +189,8 @@ static float reach_mm(const smr *s)
 void smr_tracking_find_jump(smr *s)
 {
     /* pulls leave out residuals beyond their scale, so the mean of goals alone is small after a jump */
-    const float mean = smr_max(s->forces.totals.mean, smr_residual_typical(&s->forces.surface)), reach = reach_mm(s);
+    const float more = smr_residual_typical(&s->forces.surface) - s->schedule.noise_mm;
+    const float mean = smr_max(s->forces.totals.mean, more), reach = reach_mm(s);
     if (!s->schedule.tracking || s->schedule.recovering || s->schedule.radius_iteration > 0u)
         return;
     const float enough = s->forces.image.has_image ? SMR_TRACK_LOST : SMR_TRACK_FEWER;
@@ -222,7 +225,9 @@ void smr_tracking_next(smr *s)
     }
     s->schedule.gain = 1.0f;
     s->schedule.found = share_found(s);
-    const float noise_mm = SMR_TRACK_STILL * smr_residual_typical(&s->forces.surface);
+    const float typical = smr_residual_typical(&s->forces.surface), stiffness = s->shared.config.forces.stiffness;
+    const float noise_mm = s->shared.config.track.settle_um > 0.0f ? SMR_TRACK_STILL * stiffness * typical : 0.0f;
+    s->schedule.noise_mm = typical;
     s->schedule.settled = s->evolve.moved_mm < smr_max(s->shared.config.track.settle_um * 1.0e-3f, noise_mm) ||
                           s->schedule.radius_iteration >= s->shared.config.track.iterations;
 }

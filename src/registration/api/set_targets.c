@@ -139,8 +139,9 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
     }
     smr_note_target(g, first, last);
     smr_forces_unmeasured(&s->forces);
+    const uint32_t n_goals = g->n_goals;
     smr_take_goals(g);
-    if (grown) {
+    if (grown && g->n_goals == n_goals) { /* searches and weights stay */
         smr_pulls_clear(g);
     } else {
         forget_searches(g, structure);

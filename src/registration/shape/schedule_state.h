@@ -68,6 +68,7 @@ typedef struct smr_schedule {
     uint32_t settled, jumped; /* as in smr_tick_report */
     uint32_t image_age;       /* age of the tracked image, SMR_IMAGE_.. */
     float gain;               /* factor on forces while targets are tracked; 1 except at coarser radii after a jump */
+    float noise_mm;           /* typical residual of the targets before, at their last iteration, mm */
     float found;              /* share of vertices that had goals on the last targets, 0..1 */
 } smr_schedule;
 

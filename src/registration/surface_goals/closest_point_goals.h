@@ -41,8 +41,8 @@ typedef struct smr_goal {
 
 /* Sums over the vertices of a component of a target. */
 typedef struct smr_body_sum {
-    uint32_t area;   /* area of the vertices, in units of 1 / 16 of the mean area of a target vertex */
-    uint32_t inlier; /* area times weight */
+    uint64_t area;   /* area of the vertices, in units of 1 / 65536 of the mean area of a target vertex */
+    uint64_t inlier; /* area times weight */
 } smr_body_sum;
 
 #define SMR_RESIDUAL_NONE 65535u /* target_residual of a vertex without a closest point */

@@ -6,7 +6,8 @@
  * the model is a small part of the target. A connected component of the target with few inliers is another body, and
  * none of its vertices pulls. Not a mixture with a uniform share of outliers: that needs exponentials, and its
  * deviation grows where outliers are most of the target.
- * Bounds: two passes over the target vertices an iteration, one over the model's triangles for a new radius or target.
+ * Bounds: two passes over the target vertices an iteration; for a new radius or target one over the model's triangles
+ * for each distinct target.
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/closest_point_goals.h"
 
@@ -15,7 +16,7 @@
 #define SMR_OUTLIER_CUT 4.685f    /* deviations at which the biweight is 0: 95 % efficiency for normal residuals */
 #define SMR_OUTLIER_EDGES 1.0f    /* smallest cut for a mesh, in mean edge lengths of the model: triangles are flat */
 #define SMR_OUTLIER_POINTS 0.25f  /* the same for a cloud: strays near the surface are the worst */
-#define SMR_OUTLIER_AREA 16.0f    /* areas are summed in units of 1 / 16 of the mean area */
+#define SMR_OUTLIER_AREA 65536.0f /* areas are summed in units of 1 / 65536 of the mean area */
 #define SMR_OUTLIER_RADII 0.35f   /* smallest cut in cluster radii, up to the last radius: large clusters are stiff */
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius over the scale that is assumed for a moved target */
 
@@ -70,7 +71,8 @@ const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t struc
 {
     if (!g->target[structure].others || !smr_attraction_on(g))
         return NULL;
-    return g->body_weight + smr_goal_of(g, structure)->first_body;
+    const smr_goal *goal = smr_goal_of(g, structure);
+    return goal->n_bodies == goal->surface->n_bodies ? g->body_weight + goal->first_body : NULL;
 }
 
 /* Tasks of one pass over a target; 0: it does not pull. */
@@ -157,7 +159,7 @@ static float scale_of(const smr_surface_goals *g, float share)
         half += 0.5f * share * (float)g->histogram[i];
     while (k < SMR_RESIDUALS - 1u && sum + (float)g->histogram[k] < half)
         sum += (float)g->histogram[k++];
-    if (k == SMR_RESIDUALS - 1u)
+    if (!(half > 0.0f) || k == SMR_RESIDUALS - 1u)
         return 0.0f;
     const float high = residual_of(k * SMR_RESIDUAL_STEPS),
                 low = k > 0u ? residual_of((k - 1u) * SMR_RESIDUAL_STEPS) : high;
@@ -179,7 +181,7 @@ static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t ch
         const float r = residual_of(steps);
         smr_body_sum *sum = &g->body_sum[body_slot(goal, j)];
         sum->area += area;
-        sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area) : 0u;
+        sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area + 0.5f) : 0u;
     }
 }
 
@@ -264,10 +266,9 @@ void smr_outliers_forget(smr_surface_goals *g, uint32_t structure)
     const float scale = g->schedule->tracking ? g->schedule->lists.radius / SMR_OUTLIER_TRACK : 0.0f;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         smr_target *target = &g->target[i];
-        if (structure == SMR_ALL || structure == i) {
+        if (structure == SMR_ALL || structure == i)
             target->scale = scale > 0.0f ? smr_max(target->scale, scale) : 0.0f;
-            target->area_share = 0.0f;
-        }
+        target->area_share = 0.0f; /* structures may join or leave a target */
         target->others = 0;
     }
     if (g->body_weight != NULL)
