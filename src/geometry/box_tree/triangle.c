@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 
+#define SMR_DIVISOR_LEAST 1.0e-20f /* mm^2: compilers also divide unused lanes of vectors, where 0 would trap */
 #define SMR_SLIVER 1.0e-5f /* largest squared area of a sliver, relative to the products whose difference it is */
 
 /* Writes the weights; returns the squared length of to_p, the vector from the closest point to p. */
@@ -53,17 +54,17 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
         return set(weight, 0, 0, 1, cp);
     float vc = d1 * d4 - d3 * d2;
     if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f && d1 - d3 > 0.0f) {
-        float t = d1 / (d1 - d3);
+        float t = d1 / smr_max(d1 - d3, SMR_DIVISOR_LEAST);
         return set(weight, 1.0f - t, t, 0, smr_sub(ap, smr_scale(ab, t)));
     }
     float vb = d5 * d2 - d1 * d6;
     if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f && d2 - d6 > 0.0f) {
-        float t = d2 / (d2 - d6);
+        float t = d2 / smr_max(d2 - d6, SMR_DIVISOR_LEAST);
         return set(weight, 1.0f - t, 0, t, smr_sub(ap, smr_scale(ac, t)));
     }
     float va = d3 * d6 - d5 * d4, e1 = d4 - d3, e2 = d5 - d6;
     if (va <= 0.0f && e1 >= 0.0f && e2 >= 0.0f && e1 + e2 > 0.0f) {
-        float t = e1 / (e1 + e2);
+        float t = e1 / smr_max(e1 + e2, SMR_DIVISOR_LEAST);
         return set(weight, 0, 1.0f - t, t, smr_sub(bp, smr_scale(smr_sub(c, b), t)));
     }
     float sum = va + vb + vc;

@@ -134,7 +134,7 @@ void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
 /* The area of a target vertex over the mean, at most 16; a point's weight. */
 static inline float smr_target_area(const smr_surface *s, uint32_t j)
 {
-    return s->area_mean > 0.0f ? smr_min(s->area[j] / s->area_mean, 16.0f) : 1.0f;
+    return s->area_mean > 0.0f ? smr_min(s->area[j] / smr_max(s->area_mean, 1.0e-20f), 16.0f) : 1.0f;
 }
 
 /* outlier_weights.c. Weight of the pull of target vertex j with the squared residual r2, mm^2, 0..1. Then: notes a

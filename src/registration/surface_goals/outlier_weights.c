@@ -19,6 +19,7 @@
 #define SMR_OUTLIER_AREA 65536.0f /* areas are summed in units of 1 / 65536 of the mean area */
 #define SMR_OUTLIER_RADII 0.35f   /* smallest cut in cluster radii, up to the last radius: large clusters are stiff */
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius over the scale that is assumed for a moved target */
+#define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they look whether it is 0 */
 
 /* Share of inliers of a component over the largest share of one: another body below NONE, the model's above FULL. */
 #define SMR_BODY_NONE 0.3f
@@ -40,8 +41,8 @@ static float residual_of(uint32_t steps) { return smr_float_of((SMR_RESIDUAL_LEA
 
 static float biweight(float r2, float cut)
 {
-    const float q = 1.0f - r2 / (cut * cut);
-    return q > 0.0f ? q * q : 0.0f;
+    const float q = smr_positive(1.0f - r2 / smr_max(cut * cut, SMR_OUTLIER_TINY));
+    return q * q;
 }
 
 /* The residual at which a vertex of a target of this scale has no weight, mm. */
@@ -134,7 +135,7 @@ static float area_share(const smr_surface_goals *g, const smr_goal *goal)
         return 1.0f;
     if (area_tasks(g, goal) == 0u)
         return g->target[goal->structure].area_share;
-    return goal->model_area < all ? goal->model_area / all : 1.0f;
+    return smr_min(goal->model_area / smr_max(all, SMR_OUTLIER_TINY), 1.0f);
 }
 
 /* Counts a residual at the two eighths around it, so that the scale follows residuals without jumps. */
@@ -163,7 +164,7 @@ static float scale_of(const smr_surface_goals *g, float share)
         return 0.0f;
     const float high = residual_of(k * SMR_RESIDUAL_STEPS),
                 low = k > 0u ? residual_of((k - 1u) * SMR_RESIDUAL_STEPS) : high;
-    const float part = g->histogram[k] > 0u ? (half - sum) / (float)g->histogram[k] : 0.0f;
+    const float part = (half - sum) / smr_max((float)g->histogram[k], 1.0f);
     return SMR_OUTLIER_SIGMA * (low + part * (high - low));
 }
 
@@ -211,10 +212,7 @@ void smr_outlier_sum(void *arg, uint32_t task, uint32_t worker)
     add_vertices(g, goal, task % n, task >= n);
 }
 
-static float inlier_share(const smr_body_sum *sum)
-{
-    return sum->area > 0u ? (float)sum->inlier / (float)sum->area : 0.0f;
-}
+static float inlier_share(const smr_body_sum *sum) { return (float)sum->inlier / smr_max((float)sum->area, 1.0f); }
 
 /* Weighs each component of a target. */
 static void weigh_bodies(smr_surface_goals *g, const smr_goal *goal)
@@ -227,7 +225,7 @@ static void weigh_bodies(smr_surface_goals *g, const smr_goal *goal)
     for (uint32_t b = SMR_BODY_FIRST; b < SMR_BODY_FIRST + goal->n_bodies; b++)
         most = smr_max(most, inlier_share(&sum[b]));
     for (uint32_t b = SMR_BODY_FIRST; b < SMR_BODY_FIRST + goal->n_bodies; b++) {
-        const float over = most > 0.0f ? inlier_share(&sum[b]) / most : 1.0f;
+        const float over = most > 0.0f ? inlier_share(&sum[b]) / smr_max(most, SMR_OUTLIER_TINY) : 1.0f;
         const float share = smr_clamp((over - SMR_BODY_NONE) / (SMR_BODY_FULL - SMR_BODY_NONE), 0.0f, 1.0f);
         weight[b] = (uint8_t)(255.0f * share + 0.5f);
         target->others |= weight[b] == 0u;
@@ -258,7 +256,7 @@ float smr_residual_typical(const smr_surface_goals *g)
         sum += one * g->target[g->goal[k].structure].scale;
         n += one;
     }
-    return n > 0.0f ? sum / (n * SMR_OUTLIER_SIGMA) : 0.0f;
+    return sum / (smr_max(n, 1.0f) * SMR_OUTLIER_SIGMA);
 }
 
 void smr_outliers_forget(smr_surface_goals *g, uint32_t structure)
