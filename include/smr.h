@@ -137,10 +137,9 @@ typedef struct smr_basic_config {
      * tuning). Ignored vertices get no force, belong to no cluster, and move with the nearby active vertices. At least
      * smr_model_info.active_min vertices take part. */
     float active_share;
+    uint32_t budget_exact; /* 0 or 1, default 0. 1: a budget ignores no vertex, and no bit depends on the budget */
     float search_mm; /* mm, (0, 100000], default 60. Largest distance from a vertex to a closest point that is a goal */
-    /* share, [0, 1], default 0.5. Weight of the target-to-model attraction in a vertex' goal.
-     * smr_tick_details.attraction_used returns the weight in use. */
-    float attraction;
+    float attraction; /* share, [0, 1], default 0.5. Weight of the target-to-model attraction in a vertex' goal */
     /* share, [0, 1], default 0. Share of the displacement to the goal along the model's surface that counts. At 0 the
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;

@@ -21,7 +21,6 @@ typedef struct smr_time_budget {
     uint64_t spent;            /* time spent in the current step, ns */
     float sum;                 /* time spent in the current iteration, ns */
     float whole;               /* mean time of an iteration, ns */
-    uint64_t budget;           /* budget of the tick in which the iteration began, ns */
     uint32_t count;            /* number of active vertices when the costs of the cluster sums were learnt */
     uint32_t uncut;            /* 1: the current iteration spans several ticks and leaves no vertex out */
     uint32_t late;             /* 1: the iteration did not end in its tick, as it should have */

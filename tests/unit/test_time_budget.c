@@ -136,6 +136,32 @@ TEST(test_nothing_is_left_out_at_the_end)
     assert_true(r.done && cut >= 8u);
 }
 
+/* The first iteration, whose costs are unknown, spans ticks with all vertices. With budget_exact each iteration does,
+ * and the result has the bits of ticks without a clock. */
+TEST(test_a_budget_leaves_the_result)
+{
+    set_up();
+    const uint64_t full = full_time(1000);
+    static const uint32_t cut[] = {5, 55, 125}; /* percent of an iteration: not even the least fits; a part; all */
+    for (uint32_t i = 0; i < 6u; i++) {
+        const uint32_t percent = cut[i / 2u], exact = i % 2u;
+        rig_clock clock, never;
+        smr *s = start(&clock, 1000), *plain = start(&never, 0);
+        smr_tick_report r = {0}, want = {0};
+        uint32_t fewest = SMR_ALL;
+        s->shared.config.basic.budget_exact = exact;
+        for (uint32_t n = 0; n<30u; n += r.iteration> n) {
+            if (smr_tick(s, full * percent / 100u, &r) != SMR_OK)
+                continue;
+            assert_true(r.iteration > 1u || r.details.n_taken == s->shared.n);
+            fewest = r.details.n_taken < fewest ? r.details.n_taken : fewest;
+            assert_int_equal(SMR_OK, smr_tick(plain, 0, &want));
+        }
+        assert_true((fewest == s->shared.n) == (exact || percent != 55u));
+        assert_true((r.state_hash == want.state_hash) == (fewest == s->shared.n));
+    }
+}
+
 TEST(test_set_active)
 {
     set_up();

@@ -87,6 +87,7 @@ static const struct {
     {"--ticks", HOST_TRACK, "N", "at most so many ticks a frame (30)"},
     {"--ticks", 0, "N", "at most so many ticks (the schedule)"},
     {"--budget-ms", 0, "MS", "time of a tick; 0: no clock, deterministic (0)"},
+    {"--budget-exact", 0, "", "a budget leaves out no vertex: iterations span ticks, the result stays"},
     {"--align", 0, "none|rigid|similarity",
      "start pose from the surfaces; with --landmarks: fitted to them, in place of the spline (none)"},
     {"--vertex-errors", 0, "", "results have seen (0, 1) and expected_error (mm) of each vertex"},

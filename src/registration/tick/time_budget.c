@@ -2,8 +2,8 @@
  * The search for goals runs in the order of priority and keeps in reserve the predicted cost of the later steps. When
  * the remaining time falls to the reserve, the remaining vertices are left out of this iteration (paper 2.2, complexity
  * tuning). Later steps depend only on the number of active vertices, so smr_set_active() with this number gives the
- * same bits. If even the minimum set exceeds the budget, and at the end of the schedule, the iteration spans several
- * ticks and skips nothing.
+ * same bits. If even the minimum set exceeds the budget, while costs are unknown, at the end of the schedule, and with
+ * budget_exact, the iteration spans several ticks and skips nothing.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_steps.h"
@@ -22,7 +22,6 @@
 #define SMR_FORK_TASKS 64.0f      /* most tasks of a worker in one parallel loop */
 #define SMR_LOOK 16u              /* fewest vertices between two checks of the reserve */
 #define SMR_CLOSING 3u            /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
-#define SMR_FIRST 0.75f           /* share of the budget that is kept in reserve while costs are unknown */
 
 void smr_budget_start(smr *s)
 {
@@ -131,10 +130,9 @@ void smr_budget_plan(smr *s, uint64_t budget_ns)
     s->budget.spent = 0;
     s->budget.sum = 0.0f;
     s->budget.odd = s->budget.late = s->budget.look = 0;
-    s->budget.budget = budget_ns;
     const int closing = smr_at_last_radius(&s->shared, &s->schedule) &&
                         SMR_CLOSING * s->schedule.radius_iteration >= s->shared.config.basic.iterations_last;
-    s->budget.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
+    s->budget.uncut = s->shared.config.basic.budget_exact || closing || cost > (float)budget_ns;
 }
 
 uint32_t smr_budget_group(smr *s, uint32_t n_tasks)
@@ -185,6 +183,5 @@ int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
     s->budget.look = reached + more;
     const uint32_t next = smr_min_u32(reached + more, s->schedule.n_active);
     const float force = smr_max(s->budget.rate[s->step], 0.0f) * (float)(next - reached);
-    const float rest = cost_of(s, s->step + 1u, next);
-    return force + (rest < SMR_FOREVER ? rest : SMR_FIRST * (float)s->budget.budget) > (float)left_ns;
+    return force + cost_of(s, s->step + 1u, next) > (float)left_ns;
 }
