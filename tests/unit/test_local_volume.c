@@ -146,6 +146,25 @@ TEST(test_sheets_and_points)
         assert_true(ratio[v] == ratio[0] && ratio[v] > 1.0f && ratio[v] < 2.5f);
 }
 
+/* A body whose triangles face inwards has the ratios of the same body the right way round; one that a mirror has turned
+ * has lost all of its volume, and more. */
+TEST(test_inside_out)
+{
+    smr_mesh ball = rig_ball(30, 9, 12, nowhere);
+    const float m[9] = {1.2f, 0, 0, 0, 1.1f, 0, 0, 0, 0.9f}, t[3] = {5, 0, 1}, mirror[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const smr_mesh moved = rig_moved(&ball, m, t), other = rig_moved(&ball, mirror, t);
+    const float *right = ratios(&ball, 20, moved.xyz, NULL), *lost = ratios(&ball, 100, other.xyz, NULL);
+    uint32_t *turned = rig_alloc(3u * sizeof *turned * ball.n_triangles);
+    for (uint32_t i = 0; i < 3u * ball.n_triangles; i++)
+        turned[i] = ball.triangles[3u * (i / 3u) + 2u - i % 3u];
+    ball.triangles = turned;
+    const float *inward = ratios(&ball, 20, moved.xyz, NULL), *gone = ratios(&ball, 100, other.xyz, NULL);
+    for (uint32_t v = 0; v < ball.n_vertices; v++) {
+        assert_true(fabsf(inward[v] - right[v]) < 1.0e-4f && right[v] > 1.0f);
+        assert_true(lost[v] < -0.5f && fabsf(gone[v] - lost[v]) < 1.0e-4f);
+    }
+}
+
 /* Nothing is made worse by asking between any two iterations, by any radius; and mistakes are refused. */
 TEST(test_asking)
 {

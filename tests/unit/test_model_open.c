@@ -222,6 +222,35 @@ TEST(shared_lists)
     }
 }
 
+/* A block of more vertices than are checked at a time: each vertex has one entry, also those on both sides of 4,096. */
+TEST(each_vertex_once)
+{
+    static const uint32_t place[] = {0, 1, 31, 32, 4094, 4095, 4096, 4097};
+    unit_mesh ball = unit_sphere(5, 20.0f, 0.0f);
+    smr_prepare_config c = rig_radii(1, 2, 0, 0);
+    c.block_vertices = 8192;
+    unit_image image = unit_prepare_mesh(&ball, &c);
+    const smr_model *model;
+    const smr_stored_radius *r = smr_at(image.model, image.model->at_radii);
+    uint16_t *const entry = (uint16_t *)(void *)((unsigned char *)image.bytes + smr_le32(r->at_entries)),
+                    *at[8] = {NULL};
+    const uint32_t n = smr_le32(image.model->n_vertices);
+    assert_true(n == 4098u && smr_le32(r->n_blocks) == 1u && smr_le32(image.model->index_bytes) == 2u);
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < 8u; k++)
+            if (smr_model_along(image.model, smr_index_at(entry, 2, 4u * (size_t)i)) == place[k])
+                at[k] = entry + 4u * (size_t)i;
+    for (uint32_t i = 0; i < 64u; i++) {
+        const uint16_t was = *at[i / 8u];
+        *at[i / 8u] = *at[i % 8u];
+        unit_repair(image.bytes, image.size);
+        assert_int_equal(smr_model_open(image.bytes, image.size, &model), i / 8u == i % 8u ? SMR_OK : SMR_E_MODEL);
+        *at[i / 8u] = was;
+    }
+    unit_image_free(&image);
+    unit_mesh_free(&ball);
+}
+
 TEST(views_refuse_politely)
 {
     small_world w = make(0);

@@ -143,4 +143,40 @@ TEST(test_plasticity)
     }
 }
 
+/* The radius of tracking, an index. radius_mm 0: the default. */
+static uint32_t tracks_at(uint32_t n_structures, float separate_below_mm, float radius_mm)
+{
+    const float aside[3] = {50, 0, 0};
+    const smr_mesh balls[2] = {rig_ball(20, 14, 20, none), rig_ball(20, 14, 20, aside)}; /* mean edges of 5 mm */
+    smr_prepare_config radii = smr_prepare_config_default();
+    smr_config c = steady();
+    smr_tick_report report = {0};
+    radii.separate_below_mm = separate_below_mm;
+    radii.n_radii = 4;
+    for (uint32_t i = 0; i < 4u; i++)
+        radii.radius_mm[i] = (float)(i < 3u ? 32u >> i : 3u);
+    c.basic.iterations = c.basic.iterations_last = 1;
+    c.track.mode = SMR_TRACK_REPORT;
+    c.track.radius_mm = radius_mm;
+    smr *s = rig_init(rig_model(balls, n_structures, &radii), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&balls[0])));
+    for (uint32_t i = 0; i < 100u && !report.details.tracking; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    return s->schedule.radius;
+}
+
+/* Six edges, or the first radius below that keeps structures apart, but none below an edge; or what is asked for. */
+TEST(test_radius_of_tracking)
+{
+    static const struct {
+        uint32_t n_structures;
+        float separate_below_mm, radius_mm;
+        uint32_t radius;
+    } all[] = {{1, 20, 0, 0},  {1, 4, 0, 0},   {2, 100, 0, 0}, {2, 20, 0, 1},     {2, 10, 0, 2},
+               {2, 4, 0, 0},   {2, 0, 0, 0},   {2, 20, 30, 0}, {2, 10, 23, 0},    {2, 10, 22, 1},
+               {1, 10, 12, 1}, {1, 10, 11, 2}, {2, 100, 5, 2}, {2, 100, 4.8f, 3}, {2, 100, 0.1f, 3}};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        assert_int_equal(all[i].radius, tracks_at(all[i].n_structures, all[i].separate_below_mm, all[i].radius_mm));
+}
+
 int main(void) { return suite_run(NULL, NULL); }

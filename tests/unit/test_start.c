@@ -66,4 +66,46 @@ TEST(test_starts_over)
     assert_true(hash == smr_state_hash(s));
 }
 
+/* A pose or positions that bring any vertex beyond SMR_COORD_MAX, or are no numbers, change nothing. */
+TEST(test_ranges)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, 2.0f * SMR_COORD_MAX, -2.0f * SMR_COORD_MAX};
+    static const struct {
+        float scale, x;
+        smr_status status;
+    } all[] = {{1, SMR_COORD_MAX - 21.0f, SMR_OK},      {1, 21.0f - SMR_COORD_MAX, SMR_OK},
+               {1, SMR_COORD_MAX - 18.0f, SMR_E_INPUT}, {1, 18.0f - SMR_COORD_MAX, SMR_E_INPUT},
+               {1, SMR_COORD_MAX, SMR_E_INPUT},         {0, SMR_COORD_MAX, SMR_OK},
+               {SMR_COORD_MAX / 20.5f, 0, SMR_OK},      {SMR_COORD_MAX / 19.5f, 0, SMR_E_INPUT}};
+    const float flat[9] = {1, 0, 0, 0, 1, 0, 0, 0, 0}; /* of a flat model the entries for z count all the same */
+    const smr_mesh mesh = rig_ball(20, 6, 9, none), disc = rig_moved(&mesh, flat, none);
+    const smr_model *model;
+    smr *plane = start(&disc, &model), *s = start(&mesh, &model);
+    const uint64_t hash = smr_state_hash(s);
+    for (uint32_t i = 0; i < 5u; i++) {
+        smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+        for (uint32_t k = 0; k < 12u; k++) {
+            const float was = pose.m[k / 4u][k % 4u];
+            pose.m[k / 4u][k % 4u] = bad[i];
+            assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &pose));
+            assert_int_equal(SMR_E_INPUT, smr_set_pose(plane, &pose));
+            pose.m[k / 4u][k % 4u] = was;
+        }
+        float *x = rig_positions(s, model);
+        for (uint32_t k = 0; k < 3u * mesh.n_vertices; k++) {
+            const float was = x[k];
+            x[k] = bad[i];
+            assert_int_equal(SMR_E_INPUT, smr_set_positions(s, 0, x));
+            x[k] = was;
+        }
+    }
+    assert_true(hash == smr_state_hash(s));
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            smr_pose pose = {{{all[i].scale, 0, 0, 0}, {0, all[i].scale, 0, 0}, {0, 0, all[i].scale, 0}}};
+            pose.m[axis][3] = all[i].x;
+            assert_int_equal(all[i].status, smr_set_pose(s, &pose));
+        }
+}
+
 int main(void) { return suite_run(NULL, NULL); }

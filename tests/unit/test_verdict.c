@@ -115,6 +115,53 @@ static smr_mesh ellipsoid(uint32_t rings, uint32_t around, float degrees)
     return mesh;
 }
 
+/* Two balls along z in one structure. The upper one turns about z, the other back by `back` of that. */
+static smr *twisted(float degrees, float back)
+{
+    const float at[2][3] = {{0, 0, 60}, {0, 0, -60}};
+    const smr_mesh one = rig_ball(20, 9, 12, none);
+    const uint32_t n = one.n_vertices, nt = one.n_triangles;
+    float *const xyz = rig_alloc(12u * sizeof *xyz * n), *const to = xyz + 6u * (size_t)n;
+    uint32_t *const t = rig_alloc(6u * sizeof *t * nt);
+    const smr_config config = smr_config_default();
+    for (uint32_t k = 0; k < 2u; k++) {
+        float m[9];
+        rig_rotation(0, 0, 1, k == 0u ? degrees : -back * degrees, m);
+        const smr_mesh put = rig_ball(20, 9, 12, at[k]), turned = rig_moved(&one, m, at[k]);
+        memcpy(xyz + 3u * (size_t)n * k, put.xyz, 3u * sizeof *xyz * n);
+        memcpy(to + 3u * (size_t)n * k, turned.xyz, 3u * sizeof *xyz * n);
+        for (uint32_t i = 0; i < 3u * nt; i++)
+            t[3u * (size_t)nt * k + i] = one.triangles[i] + k * n;
+    }
+    const smr_mesh mesh = {xyz, t, 2u * n, 2u * nt};
+    smr *s = rig_init(rig_model(&mesh, 1, NULL), &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, to));
+    return s;
+}
+
+/* A part's rotation is that against the whole: of parts that turn by as much to both sides the whole has none. The
+ * whole's is that from the start. */
+TEST(test_rotations)
+{
+    static const float degrees[] = {0.0f, 1.0f, 10.0f, 30.0f, 60.0f, 80.0f, 135.0f, 179.0f};
+    smr_verdict v;
+    for (uint32_t k = 0; k < 8u; k++) {
+        smr *s = twisted(0.0f, 1.0f);
+        float m[9];
+        rig_rotation(1, 2, -2, degrees[k], m);
+        for (uint32_t i = 0; i < s->shared.n; i++)
+            smr_put3(s->shape.x, i, smr_mul(m, smr_get3(s->shape.start, i)));
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+        assert_true(fabsf(v.turned_deg - degrees[k]) < 0.05f && v.rotation_deg < 0.1f);
+        if (degrees[k] > 80.0f)
+            continue;
+        for (uint32_t i = 0; i < 2u; i++) {
+            assert_int_equal(SMR_OK, smr_get_verdict(twisted((float)(2u - i) * degrees[k], (float)i), SMR_ALL, &v));
+            assert_true(fabsf(v.rotation_deg - degrees[k]) < 0.1f && v.turned_deg < 0.1f);
+        }
+    }
+}
+
 /* Keeps the triangles that are looked at from one side. */
 static void keep_side(smr_mesh *mesh)
 {
