@@ -3,11 +3,11 @@
 #include "target_rig.h"
 
 const target_case target_cases[TARGET_BUDGETED] = {
-    {"surface rigid", 0, SMR_METHOD_RIGID, 0, 0, 0},   {"surface polar", 0, SMR_METHOD_POLAR, 0, 0, 0},
-    {"image rigid", 1, SMR_METHOD_RIGID, 0, 0, 0},     {"image polar", 1, SMR_METHOD_POLAR, 0, 0, 0},
-    {"part rigid", 0, SMR_METHOD_RIGID, 1, 0, 0},      {"part polar", 0, SMR_METHOD_POLAR, 1, 0, 0},
-    {"surface, more", 0, SMR_METHOD_RIGID, 0, 1, 0},   {"image, more", 1, SMR_METHOD_RIGID, 0, 1, 0},
-    {"dynamics, rigid", 0, SMR_METHOD_RIGID, 0, 0, 1}, {"dynamics, polar", 0, SMR_METHOD_POLAR, 0, 0, 1},
+    {"surface rigid", 0, SMR_METHOD_RIGID, 0, 0, 0}, {"surface polar", 0, SMR_METHOD_POLAR, 0, 0, 0},
+    {"image rigid", 1, SMR_METHOD_RIGID, 0, 0, 0},   {"image polar", 1, SMR_METHOD_POLAR, 0, 0, 0},
+    {"part rigid", 0, SMR_METHOD_RIGID, 1, 0, 0},    {"surface, more", 0, SMR_METHOD_RIGID, 0, 1, 0},
+    {"image, more", 1, SMR_METHOD_RIGID, 0, 1, 0},   {"dynamics, rigid", 0, SMR_METHOD_RIGID, 0, 0, 1},
+    {"part polar", 0, SMR_METHOD_POLAR, 1, 0, 0},    {"dynamics, polar", 0, SMR_METHOD_POLAR, 0, 0, 1},
 };
 
 void target_text(const char *text) { smr_semihost_write(text); }

@@ -310,6 +310,52 @@ TEST(test_strain)
     }
 }
 
+/* Each measure alone: a value that is good, one that leaves doubt and one that fails the run, far from the limits.
+ * kind: a surface, an image, or landmarks. A failed value of 0 is none. */
+TEST(test_each_measure)
+{
+    enum { SURFACE, IMAGE, MARKS };
+#define AT(field) offsetof(smr_verdict, field)
+    static const struct {
+        size_t at;
+        uint32_t kind, reason;
+        float good, look, failed;
+    } all[] = {{AT(scale), SURFACE, SMR_REASON_SCALE, 1.15f, 1.4f, 0},
+               {AT(scale), MARKS, SMR_REASON_SCALE, 0.85f, 0.7f, 0},
+               {AT(stretch), SURFACE, SMR_REASON_STRAIN, 0.03f, 0.08f, 0.3f},
+               {AT(strain), MARKS, SMR_REASON_STRAIN, 0.2f, 0.4f, 0},
+               {AT(volume_ratio), SURFACE, SMR_REASON_VOLUME, 1.15f, 1.5f, 3},
+               {AT(volume_ratio), MARKS, SMR_REASON_VOLUME, 0.87f, 0.7f, -1},
+               {AT(rotation_deg), SURFACE, SMR_REASON_ROTATION, 8, 25, 60},
+               {AT(bend_mm), MARKS, SMR_REASON_BEND, 12, 30, 0},
+               {AT(visible_share), SURFACE, SMR_REASON_LITTLE_VISIBLE, 0.5f, 0.05f, 0},
+               {AT(target_covered), SURFACE, SMR_REASON_UNCOVERED, 0.98f, 0.3f, 0},
+               {AT(normals_agree), SURFACE, SMR_REASON_NORMALS, 0.95f, 0.7f, 0.3f},
+               {AT(residual_mm), SURFACE, SMR_REASON_RESIDUAL, 0.5f, 2, 0},
+               {AT(residual_mm), MARKS, SMR_REASON_RESIDUAL, 2.5f, 4, 0},
+               {AT(expected_error_mm), MARKS, SMR_REASON_LITTLE_VISIBLE, 1, -1, 0},
+               {AT(image_similarity), IMAGE, SMR_REASON_SIMILARITY, 0.92f, 0.7f, 0.2f},
+               {AT(goals_share), IMAGE, SMR_REASON_GOALS, 0.92f, 0.6f, 0.1f}};
+#undef AT
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        for (uint32_t level = SMR_VERDICT_GOOD; level <= SMR_VERDICT_FAILED; level++) {
+            const float value = level == SMR_VERDICT_GOOD   ? all[i].good
+                                : level == SMR_VERDICT_LOOK ? all[i].look
+                                                            : all[i].failed;
+            smr_verdict v = fair(0.9f, 1.0f);
+            if (level == SMR_VERDICT_FAILED && value == 0.0f)
+                continue;
+            if (all[i].kind != SURFACE)
+                v.target_covered = v.normals_agree = -1.0f;
+            if (all[i].kind == IMAGE)
+                v.goals_share = v.image_similarity = 0.95f;
+            memcpy((unsigned char *)&v + all[i].at, &value, sizeof value);
+            smr_judge(&v, 4.0f, 1);
+            if (v.level != level || v.reasons != (level == SMR_VERDICT_GOOD ? 0u : all[i].reason))
+                fail_msg("row %zu: %g is level %u for %x", i, (double)value, v.level, v.reasons);
+        }
+}
+
 TEST(test_reasons)
 {
     for (uint32_t k = 0; k < 32u; k++)
