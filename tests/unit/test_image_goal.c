@@ -46,6 +46,42 @@ TEST(test_noise_fails)
     assert_true(last.done == 1u && last.details.matched_share > 0.3f);
 }
 
+/* How like the reference an image is, of values first + by * reference, where the model is `off` mm from its place. */
+static float similarity_of(float first, float by, float off)
+{
+    const uint32_t n = RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE;
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_pose pose = {{{1, 0, 0, off}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const smr_config config = smr_config_default_image();
+    smr_volume image = reference;
+    smr_verdict v;
+    float *voxels = rig_alloc(n * sizeof *voxels);
+    for (uint32_t i = 0; i < n; i++)
+        voxels[i] = first + by * ((const float *)reference.voxels)[i];
+    image.voxels = voxels;
+    smr *s = rig_init(rig_ball_model(&reference), &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+    assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    return v.image_similarity;
+}
+
+/* Brightness and contrast do not count where the model is in its place; the negative of an image is unlike it. */
+TEST(test_similarity)
+{
+    static const struct {
+        float first, by, off, least, most;
+    } all[] = {{0, 1, 0, 0.99f, 1},       {300, 1, 0, 0.99f, 1},        {0, 0.3f, 0, 0.99f, 1},
+               {300, 1, 10, 0.99f, 1},    {0, 1, 15, 0.9f, 0.99f},      {0, 0.3f, 15, 0.6f, 0.9f},
+               {1000, -1, 0, -1, -0.98f}, {1000, -1, 15, -0.9f, -0.6f}, {500, 0, 0, -0.01f, 0.01f}};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        const float similarity = similarity_of(all[i].first, all[i].by, all[i].off);
+        if (!(similarity >= all[i].least && similarity <= all[i].most))
+            fail_msg("row %zu: %g", i, (double)similarity);
+    }
+}
+
 TEST(test_follows_image)
 {
     const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere),
