@@ -155,4 +155,34 @@ TEST(samples_are_the_same)
         assert_true(smr_length(smr_sub(at[0][k], at[1][k])) < 1.0e-3f);
 }
 
+/* Samples of a surface are vertices at even steps, of those that are not on scraps, wherever scraps are numbered; the
+ * normals of a closed surface that is inside out are turned. */
+TEST(samples_pass_scraps_by)
+{
+    enum { SAMPLES = 41 };
+    static smr_vec point[SAMPLES], normal[SAMPLES];
+    static float weight[SAMPLES];
+    static smr_pair pair[SAMPLES];
+    unit_mesh ball = unit_sphere(4, 40, 0), some = with_scraps(&ball, 30);
+    for (uint32_t k = 0; k < 4u; k++) { /* scraps behind or before the ball, as it is or inside out */
+        smr_align_side side = {.point = point, .normal = normal, .weight = weight, .pair = pair};
+        const uint32_t first = k % 2u == 0u ? 0u : some.nv - ball.nv;
+        unit_mesh mesh = unit_mesh_new(some.nv, some.nt);
+        for (uint32_t i = 0; i < some.nv; i++)
+            memcpy(mesh.xyz + 3u * ((i + first) % some.nv), some.xyz + 3u * i, 3u * sizeof *some.xyz);
+        for (uint32_t i = 0; i < 3u * some.nt; i++)
+            mesh.triangles[i] = (some.triangles[k < 2u ? i : i / 3u * 3u + 2u - i % 3u] + first) % some.nv;
+        smr_surface *s = unit_surface(&mesh);
+        smr_align_side_make(&side, s, SAMPLES);
+        assert_int_equal(90, s->n_fragment_vertices);
+        assert_true(side.outward == (k < 2u ? 1.0f : -1.0f) && side.bare == 0u);
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            const uint32_t v = first + (2u * i + 1u) * ball.nv / (2u * SAMPLES);
+            assert_memory_equal(&point[i], s->xyz + 3u * v, sizeof point[i]);
+            assert_true(smr_dot(normal[i], smr_unit(smr_load(mesh.xyz + 3u * v))) > 0.95f);
+            assert_true(weight[i] > 0.3f && weight[i] < 3.0f && pair[i].triangle == SMR_NONE);
+        }
+    }
+}
+
 int main(void) { return suite_run(NULL, NULL); }

@@ -160,6 +160,27 @@ TEST(degenerate_controls)
     }
 }
 
+/* Three seen vertices carry nothing, four carry the rest along. */
+TEST(fewest_controls)
+{
+    static const uint32_t seen[] = {0, 1, 3, 4, 5};
+    for (uint32_t k = 0; k < 5u; k++) {
+        const int enough = seen[k] >= 4u;
+        begin(1.0f);
+        for (uint32_t i = 0; i < N; i++) {
+            w.seen[i] = i % 313u == 0u && i / 313u < seen[k] ? SMR_VISIBLE_ONE : 0u;
+            if (w.seen[i] != 0u)
+                smr_store(w.x + 3u * i, smr_add(smr_load(w.start + 3u * i), smr_v(3, -2, 1)));
+        }
+        solve();
+        assert_int_equal(w.field.n, enough ? w.target.n_visible : 0u);
+        for (uint32_t i = 1; i < N; i++)
+            if (w.seen[i] == 0u)
+                assert_true(off(i, smr_add(smr_load(w.x + 3u * i), enough ? smr_v(3, -2, 1) : smr_v(0, 0, 0))) <
+                            2.0e-3f);
+    }
+}
+
 /* As many controls as there is room for, along all of the seen ones; no tasks where nothing is unseen. */
 TEST(bounds)
 {
