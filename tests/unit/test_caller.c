@@ -62,8 +62,12 @@ TEST(test_refused)
     assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, weight));
     weight[3] = NAN;
     assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, weight));
+    weight[3] = 2.0f * SMR_CALLER_WEIGHT;
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, weight));
     weight[3] = 1.0f;
     assert_int_equal(SMR_OK, smr_set_goals(s, 0, xyz, weight));
+    xyz[7] = -2.0f * SMR_COORD_MAX;
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, NULL));
     xyz[7] = INFINITY;
     assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, NULL));
     assert_ptr_equal(weight, s->forces.caller.goals[0].weights); /* those before stay */
@@ -175,6 +179,42 @@ TEST(test_broken)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_force(s, NULL, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+/* A force's output of weights and displacements out of range, one vertex at a time; the state stays as it was. */
+static void strange(void *ctx, const smr_force_view *view, float *displacement, float *weight)
+{
+    const float *bad = ctx; /* at which vertex, its weight, its displacement along z */
+    for (uint32_t i = 0; i < view->n; i++)
+        if (view->vertex[i] == (uint32_t)bad[0]) {
+            weight[i] = bad[1];
+            displacement[3u * (size_t)i + 2u] = bad[2];
+        }
+}
+
+TEST(test_strange_output)
+{
+    static const struct {
+        float weight, z;
+        smr_status status;
+    } all[] = {{1, 5, SMR_OK},
+               {SMR_CALLER_WEIGHT, -5, SMR_OK},
+               {0, 0, SMR_OK},
+               {-1, 5, SMR_E_STATE},
+               {NAN, 5, SMR_E_STATE},
+               {2.0f * SMR_CALLER_WEIGHT, 5, SMR_E_STATE},
+               {1, 2.0f * SMR_COORD_MAX, SMR_E_STATE},
+               {1, -INFINITY, SMR_E_STATE}};
+    for (uint32_t i = 0; i < 8u; i++)
+        for (uint32_t v = 0; v < 140u; v += 46u) {
+            float bad[3] = {(float)v, all[i].weight, all[i].z};
+            smr *s = start(0, SMR_CALLER_ON, NULL);
+            assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL));
+            const uint64_t before = smr_state_hash(s);
+            assert_int_equal(SMR_OK, smr_set_force(s, strange, bad));
+            assert_int_equal(all[i].status, smr_tick(s, 0, NULL));
+            assert_true(all[i].status == SMR_OK || smr_state_hash(s) == before);
+        }
 }
 
 /* Inputs of the replay, in turn. */

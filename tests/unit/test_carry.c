@@ -277,6 +277,51 @@ TEST(wrong_calls_change_nothing)
     assert_true(out[0] == 7.0f && out[1] == 7.0f && out[2] == 7.0f);
 }
 
+/* Of each argument of the calls about frames, a value that is refused. */
+TEST(wrong_frames_change_nothing)
+{
+    unit_mesh m = unit_sphere(2, 40.0f, 0.0f);
+    const bound b = bind_with(&m, m.xyz, 4, NULL);
+    float p[3] = {1.0f, 2.0f, 3.0f}, rest[3 * SMR_FRAME_PLACES], now[3 * SMR_FRAME_PLACES], j[9], n[3] = {0, 0, 1};
+    static const float sizes[] = {0.0f, -1.0f, NAN, 2.0f * SMR_COORD_MAX};
+    smr_pose pose;
+    for (uint32_t i = 0; i < 4u; i++)
+        assert_int_equal(smr_frame_places(p, 1, sizes[i], rest), SMR_E_INPUT);
+    assert_int_equal(smr_frame_places(NULL, 1, 1, rest), SMR_E_NULL);
+    assert_int_equal(smr_frame_places(p, 1, 1, NULL), SMR_E_NULL);
+    assert_int_equal(smr_frame_places(p, SMR_VERTICES_MAX + 1u, 1, rest), SMR_E_INPUT);
+    assert_int_equal(smr_frame_places(p, 1, 1, rest), SMR_OK);
+    memcpy(now, rest, sizeof now);
+    assert_int_equal(smr_frame_poses(NULL, now, 1, &pose, j), SMR_E_NULL);
+    assert_int_equal(smr_frame_poses(rest, NULL, 1, &pose, j), SMR_E_NULL);
+    assert_int_equal(smr_frame_poses(rest, now, 1, NULL, NULL), SMR_E_NULL);
+    assert_int_equal(smr_frame_poses(rest, now, SMR_VERTICES_MAX + 1u, &pose, j), SMR_E_INPUT);
+    now[7] = NAN;
+    assert_int_equal(smr_frame_poses(rest, now, 1, &pose, j), SMR_E_INPUT);
+    assert_int_equal(smr_frame_poses(now, rest, 1, &pose, j), SMR_E_INPUT);
+    assert_int_equal(smr_frame_poses(rest, rest, 1, &pose, NULL), SMR_OK);
+    assert_int_equal(smr_frame_poses(rest, rest, 1, NULL, j), SMR_OK);
+    for (uint32_t i = 0; i < 9u; i++) /* nothing has moved */
+        assert_true(fabsf(j[i] - (i % 4u == 0u ? 1.0f : 0.0f)) < 1e-5f && fabsf(pose.m[i / 3u][i % 3u] - j[i]) < 1e-5f);
+    memset(rest, 0, sizeof rest);
+    assert_int_equal(smr_frame_poses(rest, rest, 1, &pose, j), SMR_OK); /* a frame without a size maps all to nothing */
+    assert_true(j[0] == 0.0f && j[4] == 0.0f && pose.m[0][0] == 1.0f);
+    assert_int_equal(smr_frame_normals(NULL, n, 1), SMR_E_NULL);
+    assert_int_equal(smr_frame_normals(j, NULL, 1), SMR_E_NULL);
+    j[8] = NAN;
+    assert_int_equal(smr_frame_normals(j, n, 1), SMR_E_INPUT);
+    j[8] = 1.0f;
+    n[0] = 2.0e6f;
+    assert_int_equal(smr_frame_normals(j, n, 1), SMR_E_INPUT);
+    assert_int_equal(smr_carry_map(b.carry, m.xyz, 0, NULL, 1, p, NULL), SMR_E_NULL);
+    assert_int_equal(smr_carry_map(b.carry, m.xyz, 0, p, 1, NULL, NULL), SMR_E_NULL);
+    assert_int_equal(smr_carry_map(b.carry, m.xyz, 0, NULL, 0, NULL, NULL), SMR_OK); /* of no point */
+    assert_int_equal(smr_carry_map(NULL, m.xyz, 0, p, 1, p, NULL), SMR_E_NULL);
+    assert_int_equal(smr_carry_map(b.carry, m.xyz, 0, p, SMR_VERTICES_MAX + 1u, p, NULL), SMR_E_INPUT);
+    assert_int_equal(smr_carry_apply(b.carry, m.xyz, NULL), SMR_E_NULL);
+    assert_true(p[0] == 1.0f && p[1] == 2.0f && p[2] == 3.0f);
+}
+
 /* docs/SPEC.md, section 3. */
 TEST(memory_is_as_stated)
 {

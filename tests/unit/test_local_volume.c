@@ -165,6 +165,19 @@ TEST(test_inside_out)
     }
 }
 
+/* Ratios beyond 10^6 are that, with their sign. */
+TEST(test_limit)
+{
+    const smr_mesh ball = rig_ball(30, 9, 12, nowhere);
+    for (uint32_t k = 0; k < 2u; k++) {
+        const float to = k == 0u ? 110.0f : -110.0f, m[9] = {to, 0, 0, 0, 110, 0, 0, 0, 110},
+                    t[3] = {-40 * to, 33000, -13200};
+        const float *ratio = ratios(&ball, 100, rig_moved(&ball, m, t).xyz, NULL);
+        for (uint32_t v = 0; v < ball.n_vertices; v++)
+            assert_true(k == 0u ? ratio[v] == 1.0e6f : ratio[v] < -1.0e4f && ratio[v] >= -1.0e6f);
+    }
+}
+
 /* Nothing is made worse by asking between any two iterations, by any radius; and mistakes are refused. */
 TEST(test_asking)
 {

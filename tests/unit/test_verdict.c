@@ -257,6 +257,10 @@ TEST(test_together)
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
         assert_int_equal((k == 0u ? 0u : SMR_REASON_UNCOVERED) | (k % 2u == 0u ? 0u : SMR_REASON_ROTATION), v.reasons);
     }
+    v = fair(0.99f, 1.0f);
+    v.target_covered = 0.3f; /* not the whole of a larger target, but elsewhere */
+    smr_judge(&v, 4.0f, 1);
+    assert_true(v.level == SMR_VERDICT_LOOK && v.reasons == SMR_REASON_UNCOVERED);
     for (uint32_t k = 0; k < 2u; k++) { /* four reasons, or five */
         v = fair(0.9f, 1.0f);
         v.rotation_deg = 16.0f;
