@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "property/rig_ball_image.h"
 #include "unit_mesh.h"
 
 static smr_model_info info_of(const unit_mesh *m)
@@ -83,6 +84,52 @@ TEST(scale_and_place_do_not_matter)
             assert_true(fabsf(now.radius_mm[k] / (scale * was.radius_mm[k]) - 1.0f) < 2e-3f);
         unit_mesh_free(&other);
     }
+}
+
+/* n points along a line of this length: no triangles. */
+static unit_mesh rod(uint32_t n, float length)
+{
+    unit_mesh m = unit_mesh_new(n, 0);
+    for (uint32_t i = 0; i < n; i++) {
+        m.xyz[3u * i] = m.xyz[3u * i + 1u] = 0.0f;
+        m.xyz[3u * i + 2u] = length * ((float)i / (float)(n - 1u) - 0.5f);
+    }
+    return m;
+}
+
+/* In an image one long structure gets radii of its length and a third of it before those that all models have. */
+TEST(images_have_radii_of_the_whole)
+{
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    static const float length[] = {30, 150, 450};
+    uint32_t n[3][2];
+    for (uint32_t k = 0; k < 3u; k++)
+        for (uint32_t more = 0; more < 2u; more++) {
+            unit_mesh m = rod(60, length[k]);
+            const smr_structure parts[2] = {{"one", unit_view(&m)}, {"two", unit_view(&m)}};
+            smr_prepare_config c = smr_prepare_config_default();
+            smr_model_info info;
+            c.reference = &reference;
+            unit_image image = unit_prepare(parts, 1u + more, &c);
+            assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+            n[k][more] = info.n_radii;
+            assert_true(more == 1u || k == 0u || fabsf(info.radius_mm[0] / length[k] - 1.0f) < 0.05f);
+            assert_true(more == 1u || k < 2u || fabsf(info.radius_mm[1] / length[k] - 1.0f / 3.0f) < 0.02f);
+            unit_image_free(&image);
+            unit_mesh_free(&m);
+        }
+    assert_true(n[0][0] == n[0][1] && n[1][1] == n[0][1] && n[2][1] == n[0][1]);
+    assert_true(n[1][0] == n[0][0] + 1u && n[2][0] == n[0][0] + 2u);
+}
+
+/* Of a dense model the coarsest clusters are smaller. */
+TEST(clusters_have_a_limit)
+{
+    unit_mesh thin = rod(800, 300), dense = rod(5000, 300);
+    const smr_model_info few = info_of(&thin), many = info_of(&dense);
+    assert_true(few.radius_mm[0] > 70.0f && few.radius_mm[0] < 80.0f);
+    assert_in_range(many.largest_cluster[0], 1300, 1800);
+    assert_true(many.radius_mm[0] < 55.0f);
 }
 
 int main(void) { return suite_run(NULL, NULL); }
