@@ -57,6 +57,49 @@ static float farthest(const smr *s, const smr_landmark *mark, uint32_t n)
     return most;
 }
 
+/* Points that replace each other in one slot are where the newest is, on a model with triangles and without. */
+TEST(test_replaced)
+{
+    static const float turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+    static const struct {
+        uint32_t structure, vertex;
+        float rest[3];
+    } all[] = {{0, 5, {0, 0, 0}},
+               {0, 6, {0, 0, 0}},
+               {1, 6, {0, 0, 0}},
+               {1, SMR_NONE, {60, 0, 21}},
+               {1, SMR_NONE, {60, 0, -18}},
+               {0, SMR_NONE, {0, 0, -18}},
+               {SMR_ALL, SMR_NONE, {0, 0, -18}},
+               {SMR_ALL, SMR_NONE, {62, 3, 15}},
+               {0, 5, {62, 3, 15}}};
+    for (uint32_t faces = 0; faces < 2u; faces++) {
+        const smr_prepare_config radii = rig_radii(2, 30, 0.1f, 0);
+        const smr_config config = config_of(1);
+        const smr_pose pose = {
+            {{turn[0], turn[1], turn[2], 0}, {turn[3], turn[4], turn[5], 100}, {turn[6], turn[7], turn[8], 7}}};
+        (void)start(0, NULL); /* the balls */
+        smr_mesh parts[2] = {ball[0], ball[1]};
+        for (uint32_t i = 0; i < 2u; i++)
+            if (!faces)
+                parts[i] = (smr_mesh){ball[i].xyz, NULL, ball[i].n_vertices, 0};
+        smr *s = rig_init(rig_model(parts, 2, &radii), &config, NULL);
+        for (uint32_t i = 0; i < sizeof all / sizeof all[0]; i++)
+            for (uint32_t again = 0; again < 2u; again++) { /* the same point at a new place */
+                smr_landmark mark = {all[i].structure, all[i].vertex, {0, 0, 0}, {(float)again, 0, 0}, 1.0f, 0};
+                const float *p =
+                    all[i].vertex == SMR_NONE ? all[i].rest : ball[all[i].structure % 2u].xyz + 3u * all[i].vertex;
+                const float to[3] = {-p[1], p[0] + 100.0f, p[2] + 7.0f};
+                float xyz[3];
+                memcpy(mark.rest, all[i].rest, sizeof mark.rest);
+                assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
+                assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
+                assert_int_equal(SMR_OK, smr_get_landmarks(s, xyz));
+                assert_true(rig_far(xyz, to, 1) < 1.0e-3f);
+            }
+    }
+}
+
 TEST(test_refused)
 {
     smr *s = start(N, NULL);
