@@ -282,4 +282,27 @@ TEST(what_slid_is_found_along_normals)
     assert_true(by_places > 5.0f);
 }
 
+/* The share of roughness that the field finds in waves of this length, mm, along normals. */
+static float roughness_of(float wave, float mm)
+{
+    begin(1.0f);
+    w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
+    for (uint32_t i = 0; i < N; i++) {
+        const smr_vec at = smr_load(w.start + 3u * i), n = any_normal(i);
+        const float phase = 6.2831853f / wave;
+        smr_store(w.normal + 3u * i, n);
+        smr_store(w.x + 3u * i,
+                  smr_add(at, smr_v(mm * sinf(phase * at.y), mm * sinf(phase * at.z), mm * sinf(phase * at.x))));
+        w.seen[i] = i % 2u == 0u ? SMR_VISIBLE_ONE : 0u;
+    }
+    solve();
+    return w.field.rough;
+}
+
+TEST(short_waves_are_rough)
+{
+    assert_true(roughness_of(2000, 6) == 0.0f && roughness_of(400, 6) == 0.0f);
+    assert_true(roughness_of(60, 6) > 0.0f && roughness_of(20, 6) > 0.0f);
+}
+
 int main(void) { return suite_run(NULL, NULL); }
