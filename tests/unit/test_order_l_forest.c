@@ -66,6 +66,24 @@ static void check_all(const smr_structure *structures, uint32_t n_structures, in
     }
 }
 
+/* Lists store what parents do not share: a third of a large cluster, and of a forest less than breadth first. */
+TEST(parents_save_indexes)
+{
+    unit_mesh ball = unit_sphere(4, 40.0f, 0.0f);
+    float stored[2];
+    for (uint32_t order = 0; order < 2u; order++) {
+        smr_prepare_config c = rig_radii(1, 25, 0, 0);
+        smr_model_info info;
+        c.order = order == 0u ? SMR_ORDER_FOREST : SMR_ORDER_BREADTH_FIRST;
+        c.block_vertices = 65536;
+        unit_image image = unit_prepare_mesh(&ball, &c);
+        assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+        stored[order] = info.indexes_per_cluster[0] / info.direct_per_cluster[0];
+        unit_image_free(&image);
+    }
+    assert_true(stored[0] < 0.25f && stored[1] < 0.35f && stored[0] < stored[1]);
+}
+
 TEST(forest_breadth_and_direct_agree)
 {
     oracle_random r = oracle_seed(141);
