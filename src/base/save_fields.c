@@ -9,26 +9,22 @@ void *smr_slot_scratch(smr_arena *a, void *now, size_t count, size_t size)
 
 float *smr_slot_floats(smr_arena *a, float *now, size_t count, float most)
 {
-    if (!smr_keeps(a))
-        return smr_arena_take(a, count, sizeof *now);
-    a->keeper->calls->floats(a->keeper, now, count, -most, most);
-    return now;
+    smr_keep_floats(a, now, count, -most, most);
+    return smr_slot_scratch(a, now, count, sizeof *now);
 }
 
 uint32_t *smr_slot_indexes(smr_arena *a, uint32_t *now, size_t count, uint32_t below)
 {
-    if (!smr_keeps(a))
-        return smr_arena_take(a, count, sizeof *now);
-    a->keeper->calls->words(a->keeper, now, count, below - 1u, 1);
-    return now;
+    if (smr_keeps(a))
+        a->keeper->calls->words(a->keeper, now, count, below - 1u, 1);
+    return smr_slot_scratch(a, now, count, sizeof *now);
 }
 
 uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most)
 {
-    if (!smr_keeps(a))
-        return smr_arena_take(a, count, 1);
-    a->keeper->calls->bytes(a->keeper, now, count, most);
-    return now;
+    if (smr_keeps(a))
+        a->keeper->calls->bytes(a->keeper, now, count, most);
+    return smr_slot_scratch(a, now, count, 1);
 }
 
 void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most)

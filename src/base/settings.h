@@ -8,24 +8,38 @@
 
 enum { SMR_ENDS_CLOSED = 0, SMR_ENDS_OPEN, SMR_ENDS_OR_ZERO };
 
-static inline int smr_legal_count(uint32_t v, uint32_t low, uint32_t high, int ends)
+/* The range of legal values of a setting of one word. */
+typedef struct smr_range {
+    uint16_t offset;         /* offset of the setting in its configuration, bytes */
+    uint8_t is_number, ends; /* 1: float, 0: uint32_t; SMR_ENDS_... */
+    float low, high;         /* smallest and largest value; exact for counts, which are below 2^24 */
+} smr_range;
+
+/* Returns 1 when the settings of n ranges are legal in this configuration. */
+static inline int smr_ranges_legal(const void *config, const smr_range *range, size_t n)
 {
-    return (v >= low && v <= high) || (ends == SMR_ENDS_OR_ZERO && v == 0u);
+    int legal = 1;
+    for (const smr_range *r = range; r < range + n; r++) {
+        const unsigned char *const at = (const unsigned char *)config + r->offset;
+        uint32_t count;
+        float number;
+        memcpy(&count, at, sizeof count);
+        memcpy(&number, at, sizeof number);
+        const float v = r->is_number ? number : (float)count;
+        legal &= (v >= r->low && v <= r->high && (r->ends != SMR_ENDS_OPEN || (v > r->low && v >= FLT_MIN))) ||
+                 (r->ends == SMR_ENDS_OR_ZERO && count == 0u);
+    }
+    return legal;
 }
 
-static inline int smr_legal_number(float v, float low, float high, int ends)
-{
-    return v >= low && v <= high && (ends != SMR_ENDS_OPEN || (v > low && v >= FLT_MIN));
-}
-
-/* SMR_LEGAL_kind is 1 when a value of this kind is legal. Kinds that are checked elsewhere always pass. */
-#define SMR_LEGAL_COUNT(v, low, high, ends) smr_legal_count((v), (uint32_t)(low), (uint32_t)(high), (ends))
-#define SMR_LEGAL_CHOICE SMR_LEGAL_COUNT
-#define SMR_LEGAL_SWITCH SMR_LEGAL_COUNT
-#define SMR_LEGAL_NUMBER(v, low, high, ends) smr_legal_number((v), (float)(low), (float)(high), (ends))
-#define SMR_LEGAL_INDEX(v, low, high, ends) 1
-#define SMR_LEGAL_VECTOR(v, low, high, ends) 1
-#define SMR_LEGAL_POINTER(v, low, high, ends) 1
+/* SMR_RANGE_kind is the range of a value of this kind. Kinds that are checked elsewhere have none. */
+#define SMR_RANGE_COUNT(type, path, low, high, ends) {offsetof(type, path), 0, (ends), (float)(low), (float)(high)},
+#define SMR_RANGE_CHOICE SMR_RANGE_COUNT
+#define SMR_RANGE_SWITCH SMR_RANGE_COUNT
+#define SMR_RANGE_NUMBER(type, path, low, high, ends) {offsetof(type, path), 1, (ends), (float)(low), (float)(high)},
+#define SMR_RANGE_INDEX(type, path, low, high, ends)
+#define SMR_RANGE_VECTOR SMR_RANGE_INDEX
+#define SMR_RANGE_POINTER SMR_RANGE_INDEX
 
 /* SMR_DEFAULT_kind sets a value of this kind to its default. Vectors and pointers stay 0. */
 #define SMR_DEFAULT_COUNT(v, value) (v) = (uint32_t)(value);
@@ -36,12 +50,13 @@ static inline int smr_legal_number(float v, float low, float high, int ends)
 #define SMR_DEFAULT_VECTOR(v, value)
 #define SMR_DEFAULT_POINTER(v, value)
 
-/* SMR_ROW_... expand a row of a table for the configuration *c. */
+/* SMR_ROW_DEFAULT and SMR_ROW_IMAGE set the row's setting in the configuration *c to a default; SMR_ROW_RANGE is its
+ * smr_range. */
 #define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, image, text)                           \
     SMR_DEFAULT_##kind(c->path, value)
 #define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, image, text)                             \
     SMR_DEFAULT_##kind(c->path, image)
-#define SMR_ROW_LEGAL(kind, number, path, name, unit, low, high, ends, value, image, text)                             \
-    legal &= SMR_LEGAL_##kind(c->path, low, high, SMR_ENDS_##ends);
+#define SMR_ROW_RANGE(type, kind, number, path, name, unit, low, high, ends, value, image, text)                       \
+    SMR_RANGE_##kind(type, path, low, high, SMR_ENDS_##ends)
 
 #endif

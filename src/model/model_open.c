@@ -191,19 +191,19 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* Checks that the sections of a radius follow each other, behind those of the radius before, and share no bytes. */
-static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
+/* Checks that the sections of a radius lie inside the model and follow each other, behind those of the radius before.
+ * *end: in the end of the last section of the radius before; out that of this radius. */
+static int check_sections_of(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
-    const uint64_t at[5] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count),
-                            smr_le32(r->at_indexes), smr_le32(r->at_boundary)};
+    const uint32_t at[5] = {r->at_blocks, r->at_entries, r->at_count, r->at_indexes, r->at_boundary};
     const uint64_t bytes[5] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_stored_block), n * 4u * width,
                                n * width, (uint64_t)smr_le32(r->n_indexes) * width,
                                (uint64_t)smr_le32(r->n_boundary) * sizeof(smr_stored_boundary)};
     for (uint32_t i = 0; i < 5u; i++) {
-        if (at[i] < *end)
+        if (smr_le32(at[i]) < *end || !section(m, at[i], bytes[i], 1))
             return 0;
-        *end = at[i] + bytes[i];
+        *end = smr_le32(at[i]) + bytes[i];
     }
     return 1;
 }
@@ -223,11 +223,7 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
 {
     const uint32_t n = smr_le32(m->n_vertices), n_blocks = smr_le32(r->n_blocks), width = smr_le32(m->index_bytes);
     const uint32_t n_indexes = smr_le32(r->n_indexes);
-    if (n_blocks == 0u || n_blocks > n ||
-        !section(m, r->at_blocks, (uint64_t)n_blocks + 1u, sizeof(smr_stored_block)) ||
-        !section(m, r->at_entries, n, 4u * (uint64_t)width) || !section(m, r->at_count, n, width) ||
-        !section(m, r->at_indexes, n_indexes, width) ||
-        !section(m, r->at_boundary, smr_le32(r->n_boundary), sizeof(smr_stored_boundary)) || !check_boundary(m, r) ||
+    if (n_blocks == 0u || n_blocks > n || !check_boundary(m, r) ||
         !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
         !floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) || !floats_within(&r->mean, 1, 0.0f, 1.0e7f) ||
         smr_le32(r->largest) == 0u || smr_le32(r->largest) > n || smr_le32(r->active_min) == 0u ||
@@ -304,7 +300,7 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
         return SMR_E_MODEL;
     uint64_t end = sizeof *m;
     for (uint32_t i = 0; i < smr_le32(m->n_radii); i++)
-        if (!sections_in_order(m, smr_model_radius(m, i), &end) || !check_radius(m, smr_model_radius(m, i), i))
+        if (!check_sections_of(m, smr_model_radius(m, i), &end) || !check_radius(m, smr_model_radius(m, i), i))
             return SMR_E_MODEL;
     *model = m;
     return SMR_OK;

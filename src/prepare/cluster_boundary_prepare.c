@@ -38,30 +38,6 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     p->n_outside[b] += !inside;
 }
 
-/* Returns the set of child boxes with points at squared distances near2 .. far2 from p, a bit each. */
-static uint32_t crossing(const smr_node *node, smr_vec p, float near2, float far2)
-{
-    uint32_t crossed = 0;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        float nearest, farthest;
-        smr_box_near_far(node, k, p, &nearest, &farthest);
-        crossed |= ((nearest <= far2) & (farthest >= near2)) != 0 ? smr_child_bit[k] : 0u;
-    }
-    return crossed;
-}
-
-/* crossing() for a leaf, whose boxes are single vertices. Not inlined, for the reason given at leaf_members(). */
-__attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, smr_vec p, float near2, float far2)
-{
-    uint32_t crossed = 0;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z;
-        const float d2 = x * x + y * y + z * z;
-        crossed |= ((d2 <= far2) & (d2 >= near2)) != 0 ? smr_child_bit[k] : 0u;
-    }
-    return crossed;
-}
-
 /* Writes the boundary pairs of v and vertices with larger numbers. */
 static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, float half)
 {
@@ -74,7 +50,11 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
     while (top > 0u) {
         const smr_visit node = stack[--top];
         const smr_node *boxes = &p->points.node[p->points.level[node.level] + node.index];
-        uint32_t in = node.level > 0u ? crossing(boxes, at, near2, far2) : crossing_leaf(boxes, at, near2, far2);
+        uint32_t in; /* children that the boundary crosses, a bit each */
+        if (node.level > 0u)
+            (void)smr_box_kinds(boxes, at, near2, far2, &in);
+        else
+            in = smr_leaf_members(boxes, at, far2) & ~smr_leaf_members(boxes, at, near2);
         for (; in != 0u; in &= in - 1u) {
             const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
             if ((uint64_t)(child + 1u) << (3u * node.level) <= (uint64_t)v + 1u ||

@@ -25,8 +25,7 @@ static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last
     }
 }
 
-/* Returns the set of child boxes inside the ball around p, a bit each; *reaching: the set of boxes partly inside. */
-static uint32_t box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
+uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
 {
     uint32_t near = 0, inner = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
@@ -39,9 +38,8 @@ static uint32_t box_kinds(const smr_node *node, smr_vec p, float inside2, float 
     return inner;
 }
 
-/* Returns the leaf's vertices with squared distance <= r2 from p, a bit each. Not inlined: GCC would unroll an inlined
- * loop instead of vectorising it. */
-__attribute__((noinline)) static uint32_t leaf_members(const smr_node *leaf, smr_vec p, float r2)
+/* Not inlined: GCC would unroll an inlined loop instead of vectorising it. */
+__attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float r2)
 {
     uint32_t members = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
@@ -54,7 +52,7 @@ __attribute__((noinline)) static uint32_t leaf_members(const smr_node *leaf, smr
 /* Adds the members among a leaf's vertices to the row. */
 static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2, uint64_t *row)
 {
-    const uint32_t first = leaf * SMR_TREE_WIDTH, members = leaf_members(&p->points.node[leaf], centre, r2);
+    const uint32_t first = leaf * SMR_TREE_WIDTH, members = smr_leaf_members(&p->points.node[leaf], centre, r2);
     if (members == 0u)
         return;
     row[first / 64u] |= (uint64_t)members << (first % 64u);
@@ -77,7 +75,8 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
         }
         const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
         uint32_t reaching = 0;
-        for (uint32_t inner = box_kinds(node, centre, inside, outside, &reaching); inner != 0u; inner &= inner - 1u) {
+        for (uint32_t inner = smr_box_kinds(node, centre, inside, outside, &reaching); inner != 0u;
+             inner &= inner - 1u) {
             const uint32_t child = at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(inner);
             const uint64_t last = (uint64_t)(child + 1u) << (3u * at.level);
             set_run(row, p->words, child << (3u * at.level), last < p->n ? (uint32_t)last : p->n);

@@ -26,8 +26,23 @@ static void list_corners(smr_plan *p)
     }
 }
 
-/* Finds the distinct mesh neighbours of each vertex, ascending. */
-static void find_neighbours(smr_plan *p)
+/* Computes the mean and the longest edge. Each edge counts twice, from either end. */
+static void measure_edges(smr_plan *p)
+{
+    float sum = 0.0f;
+    p->edge_max = 0.0f;
+    for (uint32_t v = 0; v < p->n; v++) {
+        for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++) {
+            const float length = smr_length(smr_sub(smr_get3(p->xyz, v), smr_get3(p->xyz, p->neighbour[i])));
+            sum += length;
+            p->edge_max = smr_max(p->edge_max, length);
+        }
+    }
+    p->edge_mm = p->neighbour_start[p->n] > 0u ? sum / (float)p->neighbour_start[p->n] : 0.0f;
+}
+
+/* Finds the distinct mesh neighbours of each vertex, ascending, and measures the edges. */
+void smr_plan_neighbours(smr_plan *p)
 {
     uint32_t *start = p->neighbour_start;
     uint32_t out = 0;
@@ -44,25 +59,6 @@ static void find_neighbours(smr_plan *p)
         start[v] = begin;
     }
     start[p->n] = out;
-}
-
-static void measure_edges(smr_plan *p)
-{
-    float sum = 0.0f;
-    p->edge_max = 0.0f;
-    for (uint32_t v = 0; v < p->n; v++) {
-        for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++) {
-            const float length = smr_length(smr_sub(smr_get3(p->xyz, v), smr_get3(p->xyz, p->neighbour[i])));
-            sum += length;
-            p->edge_max = smr_max(p->edge_max, length);
-        }
-    }
-    p->edge_mm = p->neighbour_start[p->n] > 0u ? sum / (float)p->neighbour_start[p->n] : 0.0f;
-}
-
-void smr_plan_neighbours(smr_plan *p)
-{
-    find_neighbours(p);
     measure_edges(p);
 }
 

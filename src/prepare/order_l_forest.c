@@ -27,6 +27,7 @@ typedef struct block {
 #define SMR_VERTEX_CHUNK 32u /* vertices of a task */
 #define SMR_EDGE_CHUNK 512u  /* edges of a task */
 
+/* Fills the rows and counts of the clusters of a chunk, and nearest[] unless it is known from the radius before. */
 static void fill_rows(void *arg, uint32_t task, uint32_t worker)
 {
     const block *b = arg;
@@ -37,16 +38,8 @@ static void fill_rows(void *arg, uint32_t task, uint32_t worker)
         uint64_t *row = smr_plan_row(p, v - b->first);
         smr_cluster_row(p, v, b->radius, row);
         p->count[v] = smr_row_count(row, p->words);
-    }
-}
-
-static void fill_nearest(void *arg, uint32_t task, uint32_t worker)
-{
-    const block *b = arg;
-    smr_plan *p = b->p;
-    const uint32_t from = b->first + task * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last);
-    (void)worker;
-    for (uint32_t v = from; v < to; v++) {
+        if (p->forest.nearest_kind == 1u + p->separate)
+            continue;
         uint32_t *near = p->forest.nearest + SMR_NEAREST * (size_t)v;
         uint32_t k = smr_nearest(p, v, b->first, b->last, SMR_NEAREST, near, NULL);
         while (k < SMR_NEAREST)
@@ -54,6 +47,7 @@ static void fill_nearest(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
+/* Writes the weight |zeta+| + |zeta-| of each candidate edge of a chunk as the edge's sort key. */
 static void weigh_edges(void *arg, uint32_t task, uint32_t worker)
 {
     const block *b = arg;
@@ -98,8 +92,8 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     return unique;
 }
 
-/* Writes to p->tmp the edges of the minimum spanning tree over the block and the root, number `size`. Returns how many.
- * */
+/* Writes the edges of the minimum spanning tree over the block and the root, number `size`, to p->tmp; returns how
+ * many. */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};
@@ -150,8 +144,6 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
     const uint32_t size = last - first;
     block all = {p, first, last, radius, 0};
     smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
-    if (p->forest.nearest_kind != 1u + p->separate) /* finds nearest[] unless it is known from the radius before */
-        smr_fork(&p->port, fill_nearest, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
     const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
     link_up(p, size, kept);
     smr_list_block(l);

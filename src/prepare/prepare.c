@@ -39,13 +39,17 @@ smr_prepare_config smr_prepare_config_paper(void)
     return config;
 }
 
+static const smr_range ranges[] = {
+#define SMR_GROUP(title)
+#define SMR_SETTING(...) SMR_ROW_RANGE(smr_prepare_config, __VA_ARGS__)
+#include "base/settings_prepare.def"
+};
+
 /* Returns 1 when the cookie is of this version, and values and radii are in range. */
 static int is_legal(const smr_prepare_config *c)
 {
-    int legal = c->cookie == SMR_COOKIE('P', smr_prepare_config);
-#define SMR_GROUP(title)
-#define SMR_SETTING SMR_ROW_LEGAL
-#include "base/settings_prepare.def"
+    int legal = c->cookie == SMR_COOKIE('P', smr_prepare_config) &&
+                smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]);
     for (uint32_t i = 0; legal && i < c->n_radii; i++)
         legal = c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX;
     return legal;
@@ -191,13 +195,11 @@ static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
         n_radii = smr_choose_radii(p, radius);
     const float below = separate_below(p->config, radius, n_radii);
     p->progress_total = n_radii * (p->config->order == SMR_ORDER_FOREST ? smr_ceil_div(p->n, p->block_size) : 1u);
-    smr_plan_one_level(p, n_radii);
-    if (w->model != NULL && p->config->priority) { /* the model's size does not depend on the order */
-        const smr_status status = smr_plan_priority(p, radius, n_radii, below);
-        if (status != SMR_OK)
-            return status;
-        smr_plan_levels(p, n_radii);
-    }
+    const int empty = w->model == NULL || !p->config->priority; /* the model's size does not depend on the order */
+    const smr_status status = smr_plan_priority(p, radius, n_radii, below, empty);
+    if (status != SMR_OK)
+        return status;
+    smr_plan_levels(p, n_radii);
     return smr_write_model(p, w, radius, n_radii, below);
 }
 

@@ -117,12 +117,12 @@ uint32_t smr_profile_inward(const smr_prepare_config *c);
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 
-/* Computes the priority list S for all radii, and active_min of each radius. Errors: E_ABORTED. */
-smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below);
+/* Computes the priority list S for all radii, and active_min of each radius. separate_below: radius, mm, below which
+ * clusters contain vertices of one structure only; empty 1: leaves S empty. Errors: E_ABORTED. */
+smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below, int empty);
 
-/* Computes the stored order from S; without S: one level in the order of the curve. */
+/* Computes the stored order from S; an empty S gives one level in the order of the curve. */
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
-void smr_plan_one_level(smr_plan *p, uint32_t n_radii);
 
 /* A row of bits is a set of vertices: bit v stands for the vertex with the number v along the curve. Behind its `words`
  * 64-bit words a row has one more word: first | last << 32. Only the words first .. last-1 may hold bits, so small
@@ -170,6 +170,13 @@ static inline int smr_holds_neighbours(const smr_plan *p, float radius)
  * distance, of all structures. */
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* Returns the set of a node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each.
+ * *reaching: the set of the other boxes that reach into the ball of squared radius outside2. */
+uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching);
+
+/* Returns the set of a leaf's vertices in the ball of squared radius r2, mm^2, around p, a bit each. */
+uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float r2);
 
 /* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not cross
  * structures, except structures without triangles, which share the clusters around them. */

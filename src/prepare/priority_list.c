@@ -227,14 +227,14 @@ static void settle(smr_plan *p, uint32_t n_radii, const uint32_t listed[SMR_RADI
         p->priority.place[p->priority.list[i]] = i;
 }
 
-smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below)
+smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below, int empty)
 {
     uint32_t listed[SMR_RADII_MAX] = {0};
     unsigned char done[SMR_RADII_MAX] = {0};
     p->priority.n_listed = p->priority.n_scanned = 0;
     for (uint32_t v = 0; v < p->n; v++)
         p->priority.place[v] = SMR_REMAINS;
-    for (uint32_t k = 0; k < n_radii; k++) {
+    for (uint32_t k = 0; k < n_radii && !empty; k++) {
         uint32_t finest = SMR_RADII_MAX;
         for (uint32_t r = n_radii; r-- > 0u;)
             if (!done[r] && (finest == SMR_RADII_MAX || radius[r] < radius[finest]))
@@ -287,18 +287,6 @@ static uint32_t sorted_needs(const smr_plan *p, uint32_t n_radii, uint32_t need[
         need[n++] = last = next;
         if (next == p->n)
             return n;
-    }
-}
-
-void smr_plan_one_level(smr_plan *p, uint32_t n_radii)
-{
-    p->n_levels = 1;
-    p->level_end[0] = p->n;
-    for (uint32_t r = 0; r < n_radii; r++)
-        p->active_min[r] = p->n;
-    for (uint32_t v = 0; v < p->n; v++) {
-        p->stored[v] = p->along[v] = v;
-        p->level[v] = 0;
     }
 }
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "geometry/surface/mesh.h"
-#include "geometry/surface/signed_distance.h"
+#include "geometry/surface/surface.h"
 #include "registration/registration.h"
 
 enum { LOG = 65536 };

@@ -151,7 +151,7 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
     memset(p.row, 0, p.n_rows * (p.words + 1u) * sizeof *p.row);
     smr_plan_order(&p);
     smr_plan_neighbours(&p);
-    assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm),
+    assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm, 0),
                      SMR_OK);
     assert_int_equal(p.priority.n_listed, listed);
     for (uint32_t i = 0; i < listed; i++)

@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "geometry/rotation/rotation_logarithm.h"
+#include "geometry/rotation/rotation.h"
 #include "oracle.h"
 
 #define PI 3.14159265358979323846

@@ -5,7 +5,6 @@
  * Accuracy against double precision: matrices 2e-7, rotation vectors 6e-7 rad, positions 2e-6 of |turn| |p| + |shift|.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
-#include "geometry/rotation/rotation_logarithm.h"
 
 /* Writes *sine = sin(a) / a and *cosine = (1 - cos(a)) / a^2 for a2 = a^2, rad^2, 0 .. SMR_ANGLE_MAX^2. */
 static void sinc(float a2, float *sine, float *cosine)

@@ -3,7 +3,7 @@
  * search tree, in which each point is a triangle without area that has the point's normal.
  * Bounds: one pass over the added points; the copy is built as a surface with as many triangles as points.
  * SPDX-License-Identifier: MIT */
-#include "geometry/surface/points.h"
+#include "geometry/surface/surface.h"
 #include "base/arena.h"
 
 #define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal counts as no normal */
@@ -29,10 +29,8 @@ smr_status smr_points_bytes(uint32_t capacity, size_t *bytes)
         return SMR_E_INPUT;
     smr_arena a = smr_arena_measure();
     layout(&a, capacity, &self, &s);
-    if (a.used == SIZE_MAX)
-        return SMR_E_INPUT;
     *bytes = a.used;
-    return SMR_OK;
+    return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
 smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points)

@@ -1,4 +1,5 @@
-/* surface.h: a target surface in the caller's memory, ready for closest-point search.
+/* surface.h: a target surface in the caller's memory, ready for closest-point search; signed distances to a surface; a
+ * cloud of points, a target without triangles.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SURFACE_H
 #define SMR_SURFACE_H
@@ -34,7 +35,7 @@ struct smr_surface {
     uint32_t n_fragment; /* triangles of stray components, which registration ignores */
     uint32_t n_fragment_vertices;
     uint32_t n_bodies;     /* connected components of more than 1 / SMR_BODY_PART of all triangles */
-    uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
+    uint32_t capacity;     /* most points of a cloud; 0: a mesh */
     uint32_t changes;      /* number of changes of a cloud's points, or of refits of a mesh */
     float area_mean;       /* mean of area[], mm^2 */
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box, from which xyz[] counts */
@@ -91,5 +92,31 @@ void smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last); /* ve
 
 /* Returns 1 when the point with these barycentric weights on the triangle lies on an edge of one triangle. */
 uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3]);
+
+/* The position of a point relative to a surface. Distance and direction are continuous functions of the point. */
+typedef struct smr_side {
+    float mm;          /* signed distance, negative inside */
+    smr_vec out;       /* gradient of the distance, about unit length; 0 where opposite directions are equally short */
+    uint32_t triangle; /* closest triangle, in tree order */
+    float weight[3];   /* barycentric weights of the closest point */
+} smr_side;
+
+/* Finds the signed distance of q->point to the acceptable triangles within `most` mm. normal: [vertices][3] unit vertex
+ * normals. Returns 0, with *side unchanged, when there is no such triangle. */
+int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side);
+
+/* A cloud of points in the caller's memory. Points attract the model by position, normal and weight, as target vertices
+ * do by position, normal and area. */
+struct smr_points {
+    uint32_t magic;      /* SMR_POINTS_MAGIC */
+    uint32_t next;       /* slot of the next point, < surface.capacity */
+    smr_surface surface; /* the first n_vertices slots hold xyz, normal (0: none) and, as area, the weight; origin 0 */
+};
+
+#define SMR_POINTS_MAGIC 0x736d7250u
+#define SMR_WEIGHT_MAX 4.0f /* largest weight of a point, so that the sums of target-to-model forces fit 32 bits */
+
+/* Returns 1 for points opened by smr_points_open(). */
+static inline int smr_points_valid(const smr_points *p) { return p != NULL && p->magic == SMR_POINTS_MAGIC; }
 
 #endif

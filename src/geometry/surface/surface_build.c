@@ -43,10 +43,8 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
     smr_arena a = smr_arena_measure();
     smr_surface s;
     (void)layout(&a, n_vertices, n_triangles, &s);
-    if (a.used == SIZE_MAX)
-        return SMR_E_INPUT;
     *bytes = a.used;
-    return SMR_OK;
+    return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
 /* Number of triangles with the edge v-w, at most 2. Searches the triangles around the vertex that has fewer. */

@@ -3,7 +3,6 @@
  * other surface. The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact.
  * Bounds: four searches a triangle, one a vertex; SMR_LINES^2 lines of two passes through a tree.
  * SPDX-License-Identifier: MIT */
-#include "geometry/surface/signed_distance.h"
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 

@@ -5,7 +5,6 @@
  * vertex normal, so it is continuous across edges.
  * Bounds: those of smr_tree_near.
  * SPDX-License-Identifier: MIT */
-#include "geometry/surface/signed_distance.h"
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
@@ -95,10 +94,8 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
         return SMR_E_NULL;
     if (!smr_surface_valid(surface))
         return SMR_E_STATE;
-    for (uint32_t i = 0; i < 3u; i++)
-        if (!smr_within(point[i], SMR_COORD_MAX) || (normal != NULL && !smr_within(normal[i], 2.0f)))
-            return SMR_E_INPUT;
-    if (!(max_mm >= 0.0f) || (normal != NULL && !smr_within(min_cos, 2.0f)))
+    if (!smr_all_within(point, 3, SMR_COORD_MAX) || !(max_mm >= 0.0f) ||
+        (normal != NULL && !(smr_all_within(normal, 3, 2.0f) && smr_within(min_cos, 2.0f))))
         return SMR_E_INPUT;
     max_mm = smr_min(max_mm, 8.0f * SMR_COORD_MAX);
     const smr_vec direction = normal != NULL ? smr_load(normal) : smr_v(0, 0, 0);

@@ -3,7 +3,7 @@
 #ifndef SMR_LOG_FORMAT_H
 #define SMR_LOG_FORMAT_H
 
-#include "geometry/surface/points.h"
+#include "geometry/surface/surface.h"
 #include "registration/shape/schedule_state.h"
 
 #define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */

@@ -158,13 +158,6 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     return found;
 }
 
-static int differ(const smr_log_record *a, const smr_log_record *b)
-{
-    return a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
-           a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken || a->n_forces != b->n_forces ||
-           a->checksum != b->checksum;
-}
-
 static smr_status take_tick(smr_replay *r, smr_replay_report *report)
 {
     smr_status status = SMR_OK;
@@ -180,7 +173,10 @@ static smr_status take_tick(smr_replay *r, smr_replay_report *report)
     }
     r->has_forces = !recorded->complete && recorded->phase != SMR_PHASE_FORCES;
     report->found = found_here(r->s, recorded);
-    report->differs = (uint32_t)differ(recorded, &report->found);
+    const smr_log_record *const a = recorded, *const b = &report->found;
+    report->differs = a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
+                      a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken ||
+                      a->n_forces != b->n_forces || a->checksum != b->checksum;
     if (recorded->complete) {
         smr_log_record late;
         status = set_later(r, &late);

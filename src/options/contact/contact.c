@@ -13,7 +13,7 @@
  * SMR_PROJECT_PASSES passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
-#include "geometry/surface/signed_distance.h"
+#include "geometry/surface/surface.h"
 
 #define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside than this when first searched is not pushed out */
 #define SMR_CONTACT_BAND 0.5f   /* mm beyond the contact thickness: contacts start there; at half of it they are full */

@@ -9,21 +9,14 @@ static uint32_t parts_of(const smr_shared *shared)
 {
     const smr_config *const c = &shared->config;
     const int image = smr_le32(shared->model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
-    uint32_t parts = SMR_PART_PLAIN | SMR_PART_REFERENCE;
-    if (SMR_HAS_IMAGE && image)
-        parts |= SMR_PART_IMAGE;
-    if (SMR_HAS_PARTIAL && (c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u ||
-                            (track && image) || smr_target_slots(shared) > 0u)) /* a cloud */
-        parts |= SMR_PART_PARTIAL;
-    if (SMR_HAS_TRACK && track)
-        parts |= SMR_PART_TRACK;
-    if (SMR_HAS_CONTACT && (c->contact.share > 0.0f || c->contact.volume > 0.0f || c->contact.smooth > 0.0f))
-        parts |= SMR_PART_CONTACT;
-    if (SMR_HAS_DYNAMICS && c->dynamics.mode)
-        parts |= SMR_PART_DYNAMICS;
-    if (c->caller.goals || c->caller.force != SMR_CALLER_OFF)
-        parts |= SMR_PART_CALLER;
-    return parts;
+    const int partial = c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u || (track && image) ||
+                        smr_target_slots(shared) > 0u; /* a cloud */
+    const int contact = c->contact.share > 0.0f || c->contact.volume > 0.0f || c->contact.smooth > 0.0f;
+    const int caller = c->caller.goals || c->caller.force != SMR_CALLER_OFF;
+    return SMR_PART_PLAIN | SMR_PART_REFERENCE | (SMR_HAS_IMAGE && image ? SMR_PART_IMAGE : 0u) |
+           (SMR_HAS_PARTIAL && partial ? SMR_PART_PARTIAL : 0u) | (SMR_HAS_TRACK && track ? SMR_PART_TRACK : 0u) |
+           (SMR_HAS_CONTACT && contact ? SMR_PART_CONTACT : 0u) |
+           (SMR_HAS_DYNAMICS && c->dynamics.mode ? SMR_PART_DYNAMICS : 0u) | (caller ? SMR_PART_CALLER : 0u);
 }
 
 void smr_count(smr *s, const smr_model *model, const smr_config *config)

@@ -5,9 +5,7 @@
 
 static int legal(const float *xyz, const float *weights, uint32_t n)
 {
-    int good = 1;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        good &= smr_within(xyz[i], SMR_COORD_MAX);
+    int good = smr_all_within(xyz, 3u * (size_t)n, SMR_COORD_MAX);
     for (uint32_t i = 0; weights != NULL && i < n; i++)
         good &= weights[i] >= 0.0f && weights[i] <= SMR_CALLER_WEIGHT;
     return good;

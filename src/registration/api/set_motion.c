@@ -16,11 +16,9 @@ static smr_status check(const smr *s, const void *what)
 
 static int legal(const float *mass, const float *velocity, uint32_t n)
 {
-    int good = 1;
+    int good = velocity == NULL || smr_all_within(velocity, 3u * (size_t)n, SMR_SPEED_MOST);
     for (uint32_t i = 0; mass != NULL && i < n; i++)
         good &= mass[i] >= SMR_MASS_LEAST && (mass[i] <= SMR_MASS_MOST || mass[i] > FLT_MAX);
-    for (size_t i = 0; velocity != NULL && i < 3u * (size_t)n; i++)
-        good &= smr_within(velocity[i], SMR_SPEED_MOST);
     return good;
 }
 

@@ -52,9 +52,8 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
         return SMR_E_NULL;
     if (!smr_ready(s))
         return SMR_E_STATE;
-    for (uint32_t i = 0; i < 12u; i++)
-        if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(&pose->m[0][0], 12, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     const smr_vec centre = smr_model_centre(s->shared.model);
     const smr_vec moved = smr_pose_apply(pose, centre);
     const float border = SMR_COORD_MAX + 1.0f; /* mm: rounding may move the rest shape a little beyond SMR_COORD_MAX */
@@ -83,9 +82,8 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;
     const smr_shape_structure *one = &s->shape.structure[structure];
-    for (size_t i = 0; i < 3u * (size_t)one->n_vertices; i++)
-        if (!smr_within(xyz[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(xyz, 3u * (size_t)one->n_vertices, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         smr_put3(s->shape.x, v, smr_sub(smr_get3(xyz, i), s->shape.origin));

@@ -1,4 +1,6 @@
-/* set_targets.c: sets the surfaces and clouds that structures are deformed onto.
+/* set_targets.c: sets the surfaces, the clouds and the image that structures are deformed onto, and the fixed surfaces
+ * that structures must not enter.
+ * Bounds: one pass over a fixed surface's vertices; for an image those of a start of the schedule.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
@@ -168,4 +170,66 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
     if (status == SMR_OK)
         smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
     return status;
+}
+
+smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
+{
+    const smr_surface *surface = points == NULL ? NULL : &points->surface;
+    smr_status status = smr_settable(s, SMR_HAS_PARTIAL, points == NULL || smr_points_valid(points));
+    if (status != SMR_OK)
+        return status;
+    if (s->n_awaited > 0u)
+        return s->await(s, SMR_LOG_POINTS, structure, surface);
+    status = smr_set_target(s, structure, surface);
+    if (status == SMR_OK)
+        smr_log_note(&s->log, SMR_LOG_POINTS, structure, points, 0);
+    return status;
+}
+
+smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
+{
+    const int legal = surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface));
+    const smr_status status = smr_settable(s, SMR_HAS_CONTACT, legal);
+    if (status != SMR_OK)
+        return status;
+    smr_contact *c = &s->forces.contact;
+    if (c->fixed == NULL)
+        return SMR_E_ARENA;
+    if (index >= s->shared.config.contact.n_fixed)
+        return SMR_E_INPUT;
+    if (s->n_awaited > 0u)
+        return s->await(s, SMR_LOG_FIXED_SURFACE, index, surface);
+    smr_contact_fix(c, index, surface);
+    smr_restart_forces(s, SMR_CHANGED);
+    smr_log_note(&s->log, SMR_LOG_FIXED_SURFACE, index, surface, 0);
+    return SMR_OK;
+}
+
+smr_status smr_set_volume(smr *s, const smr_volume *volume)
+{
+    smr_grid grid;
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!SMR_HAS_IMAGE)
+        return SMR_E_CONFIG;
+    if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
+        return SMR_E_STATE;
+    const smr_status status = volume == NULL ? SMR_OK : smr_grid_open(volume, &grid);
+    if (status != SMR_OK)
+        return status;
+    if (s->n_awaited > 0u)
+        return s->await(s, SMR_LOG_VOLUME, 0, volume);
+    if (volume == NULL && !s->forces.image.has_image)
+        return SMR_OK;
+    const int follows = smr_tracks(&s->schedule) && volume != NULL && s->forces.image.has_image;
+    if (follows && !SMR_HAS_PARTIAL)
+        return SMR_E_CONFIG; /* vertices without an image goal would need the field of occluded vertices */
+    smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
+    smr_abandon_iteration(s);
+    if (follows)
+        smr_restart_forces(s, SMR_CHANGED_IMAGE);
+    else
+        smr_schedule_start(s);
+    smr_log_note(&s->log, SMR_LOG_VOLUME, 0, volume, 0);
+    return SMR_OK;
 }

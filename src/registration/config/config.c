@@ -1,6 +1,7 @@
 /* config.c: defaults and ranges of the configuration, from the table of settings; checks against the model.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
+#include "geometry/surface/mesh.h"
 #include "registration/config/config.h"
 
 #define SMR_PAPER_ITERATIONS 120u /* iterations of a radius, as in the paper's figures; the paper gives no number */
@@ -66,42 +67,11 @@ smr_config smr_config_paper(void)
     return config;
 }
 
-/* The range of legal values of a setting. */
-typedef struct range {
-    uint16_t offset;         /* offset in smr_config, bytes */
-    uint8_t is_number, ends; /* 1: float, 0: uint32_t; SMR_ENDS_... */
-    float low, high;         /* exact for counts, which are below 2^24 */
-} range;
-
-#define SMR_RANGE_COUNT(path, low, high, ends) {offsetof(smr_config, path), 0, (ends), (float)(low), (float)(high)},
-#define SMR_RANGE_CHOICE SMR_RANGE_COUNT
-#define SMR_RANGE_SWITCH SMR_RANGE_COUNT
-#define SMR_RANGE_NUMBER(path, low, high, ends) {offsetof(smr_config, path), 1, (ends), (float)(low), (float)(high)},
-#define SMR_RANGE_INDEX(path, low, high, ends)
-#define SMR_RANGE_VECTOR(path, low, high, ends)
-
-static const range ranges[] = {
+static const smr_range ranges[] = {
 #define SMR_GROUP(title)
-#define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, image, text)                               \
-    SMR_RANGE_##kind(path, low, high, SMR_ENDS_##ends)
+#define SMR_SETTING(...) SMR_ROW_RANGE(smr_config, __VA_ARGS__)
 #include "base/settings_config.def"
 };
-
-static int ranges_legal(const smr_config *c)
-{
-    int legal = 1;
-    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
-        const range *r = &ranges[i];
-        const unsigned char *const at = (const unsigned char *)c + r->offset;
-        uint32_t count;
-        float number;
-        memcpy(&count, at, sizeof count);
-        memcpy(&number, at, sizeof number);
-        legal &= r->is_number ? smr_legal_number(number, r->low, r->high, r->ends)
-                              : smr_legal_count(count, (uint32_t)r->low, (uint32_t)r->high, r->ends);
-    }
-    return legal;
-}
 
 static int box_legal(const smr_config *c)
 {
@@ -117,10 +87,7 @@ static int dynamics_legal(const smr_config *c)
 {
     const int alone = c->track.mode == SMR_TRACK_OFF && !(c->contact.volume > 0.0f) && !(c->contact.smooth > 0.0f) &&
                       !(c->contact.share > 0.0f);
-    int legal = !c->dynamics.mode || alone;
-    for (uint32_t i = 0; i < 3u; i++)
-        legal &= smr_within(c->dynamics.gravity[i], SMR_GRAVITY_MAX);
-    return legal;
+    return (!c->dynamics.mode || alone) && smr_all_within(c->dynamics.gravity, 3, SMR_GRAVITY_MAX);
 }
 
 static int radii_legal(const smr_config *c, uint32_t n_radii)
@@ -191,8 +158,8 @@ int smr_config_left_out(const smr_config *c)
 smr_status smr_config_check(const smr_config *c, const smr_model *m)
 {
     const int known = c->cookie == SMR_COOKIE('R', smr_config);
-    return known && ranges_legal(c) && box_legal(c) && dynamics_legal(c) && !smr_config_left_out(c) &&
-                   radii_legal(c, smr_le32(m->n_radii))
+    return known && smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]) && box_legal(c) &&
+                   dynamics_legal(c) && !smr_config_left_out(c) && radii_legal(c, smr_le32(m->n_radii))
                ? SMR_OK
                : SMR_E_CONFIG;
 }

@@ -6,7 +6,7 @@
 #define SMR_CLUSTER_MATCH_H
 
 #include "base/fixed_point.h"
-#include "geometry/rotation/rotation_logarithm.h"
+#include "geometry/rotation/rotation.h"
 #include "registration/goals/external_forces.h"
 
 /* Sums Sigma_i(v) of paper 2.2. Moments of x^r, displacements and transforms are summed in turn. */

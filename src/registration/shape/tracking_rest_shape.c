@@ -4,7 +4,7 @@
  * complete. A structure without triangles moves with the whole model.
  * Bounds: a pass over the vertices in chunks, and one at once; a fit for each structure.
  * SPDX-License-Identifier: MIT */
-#include "geometry/rotation/rotation_logarithm.h"
+#include "geometry/rotation/rotation.h"
 #include "registration/shape/deformed_shape.h"
 
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
