@@ -21,6 +21,14 @@ _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754
 
 #define SMR_SQRT(x) __builtin_sqrtf(x)
 
+/* Makes the calling function return the status of `call`, unless it is SMR_OK. */
+#define SMR_TRY(call)                                                                                                  \
+    do {                                                                                                               \
+        const smr_status smr_tried = (call);                                                                           \
+        if (smr_tried != SMR_OK)                                                                                       \
+            return smr_tried;                                                                                          \
+    } while (0)
+
 static inline float smr_max(float a, float b) { return a > b ? a : b; }
 static inline float smr_min(float a, float b) { return a < b ? a : b; }
 static inline float smr_abs(float a) { return a < 0.0f ? -a : a; }

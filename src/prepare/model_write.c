@@ -50,9 +50,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
         }
         p->forest.nearest_kind = 1u + p->separate;
     } else {
-        smr_status status = smr_breadth_first(p, &l, radius, radius_index, n_radii);
-        if (status != SMR_OK)
-            return status;
+        SMR_TRY(smr_breadth_first(p, &l, radius, radius_index, n_radii));
     }
     smr_list_block(&l); /* one more block record, which marks the end of the last block */
     l.n_blocks = n_blocks;
@@ -154,9 +152,7 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
     head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_stored_radius));
     for (uint32_t i = 0; i < n_radii; i++) {
         p->separate = radius[i] < separate_below;
-        smr_status status = write_lists(p, w, head.at_radii + i * sizeof(smr_stored_radius), radius[i], i, n_radii);
-        if (status != SMR_OK)
-            return status;
+        SMR_TRY(write_lists(p, w, head.at_radii + i * sizeof(smr_stored_radius), radius[i], i, n_radii));
     }
     smr_put_section(w, 0);
     w->used = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;

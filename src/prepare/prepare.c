@@ -172,17 +172,13 @@ static smr_status check_inputs(const smr_structure *structures, uint32_t n_struc
                                void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
 {
     size_t needed;
-    smr_status status = smr_prepare_bytes(structures, n_structures, config, &needed);
-    if (status != SMR_OK)
-        return status;
-    status = smr_arena_start(a, scratch, scratch_bytes);
-    if (status == SMR_OK && (uintptr_t)model % SMR_ALIGN != 0u)
-        status = SMR_E_ALIGN;
-    for (uint32_t s = 0; status == SMR_OK && s < n_structures; s++)
-        status = smr_mesh_check(&structures[s].mesh);
-    if (status == SMR_OK && needed > scratch_bytes)
-        status = SMR_E_ARENA;
-    return status;
+    SMR_TRY(smr_prepare_bytes(structures, n_structures, config, &needed));
+    SMR_TRY(smr_arena_start(a, scratch, scratch_bytes));
+    if ((uintptr_t)model % SMR_ALIGN != 0u)
+        return SMR_E_ALIGN;
+    for (uint32_t s = 0; s < n_structures; s++)
+        SMR_TRY(smr_mesh_check(&structures[s].mesh));
+    return needed > scratch_bytes ? SMR_E_ARENA : SMR_OK;
 }
 
 /* Computes radii, the stored order and the clusters, and writes the model. */
@@ -196,9 +192,7 @@ static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
     const float below = separate_below(p->config, radius, n_radii);
     p->progress_total = n_radii * (p->config->order == SMR_ORDER_FOREST ? smr_ceil_div(p->n, p->block_size) : 1u);
     const int empty = w->model == NULL || !p->config->priority; /* the model's size does not depend on the order */
-    const smr_status status = smr_plan_priority(p, radius, n_radii, below, empty);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_plan_priority(p, radius, n_radii, below, empty));
     smr_plan_levels(p, n_radii);
     return smr_write_model(p, w, radius, n_radii, below);
 }
@@ -211,9 +205,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
     if (model_bytes == NULL)
         return SMR_E_NULL;
-    smr_status status = check_inputs(structures, n_structures, config, scratch, scratch_bytes, model, &a);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(check_inputs(structures, n_structures, config, scratch, scratch_bytes, model, &a));
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
     smr_plan_layout(&a, &p);
@@ -225,12 +217,11 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     smr_plan_neighbours(&p);
     smr_plan_mass(&p);
     smr_plan_dihedrals(&p);
-    status = smr_plan_profiles(&p);
+    smr_status status = smr_plan_profiles(&p);
     if (status == SMR_OK)
         status = prepare_clusters(&p, &w);
     smr_arena_release(scratch, scratch_bytes);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(status);
     *model_bytes = w.used;
     if (model == NULL)
         return SMR_OK;

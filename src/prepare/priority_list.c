@@ -241,13 +241,9 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
                 finest = r;
         done[finest] = 1;
         p->separate = radius[finest] < separate_below;
-        smr_status status = count_remaining(p, radius[finest]);
-        if (status == SMR_OK)
-            status = restore(p, radius[finest]);
-        if (status == SMR_OK)
-            status = discard(p, radius[finest]);
-        if (status != SMR_OK)
-            return status;
+        SMR_TRY(count_remaining(p, radius[finest]));
+        SMR_TRY(restore(p, radius[finest]));
+        SMR_TRY(discard(p, radius[finest]));
         listed[finest] = p->priority.n_listed;
     }
     settle(p, n_radii, listed);

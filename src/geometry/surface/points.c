@@ -42,11 +42,8 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
     size_t needed;
     if (points == NULL)
         return SMR_E_NULL;
-    smr_status status = smr_arena_start(&a, memory, bytes);
-    if (status == SMR_OK)
-        status = smr_points_bytes(capacity, &needed);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_arena_start(&a, memory, bytes));
+    SMR_TRY(smr_points_bytes(capacity, &needed));
     if (needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
@@ -93,8 +90,7 @@ smr_status smr_points_add(smr_points *points, const float *xyz, const float *nor
 {
     if (xyz == NULL && n > 0u)
         return SMR_E_NULL;
-    if (usable(points) != SMR_OK)
-        return usable(points);
+    SMR_TRY(usable(points));
     smr_surface *s = &points->surface;
     if (n > s->capacity || !can_add(xyz, normals, weights, n))
         return SMR_E_INPUT;
@@ -114,8 +110,7 @@ smr_status smr_points_add(smr_points *points, const float *xyz, const float *nor
 
 smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight)
 {
-    if (usable(points) != SMR_OK)
-        return usable(points);
+    SMR_TRY(usable(points));
     if (index >= points->surface.n_vertices || !legal_weight(weight))
         return SMR_E_INPUT;
     points->surface.area[index] = weight;
@@ -125,8 +120,7 @@ smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight)
 
 smr_status smr_points_clear(smr_points *points)
 {
-    if (usable(points) != SMR_OK)
-        return usable(points);
+    SMR_TRY(usable(points));
     points->next = points->surface.n_vertices = 0;
     points->surface.changes++;
     return SMR_OK;
@@ -136,18 +130,16 @@ smr_status smr_points_count(const smr_points *points, uint32_t *n)
 {
     if (n == NULL)
         return SMR_E_NULL;
-    if (usable(points) == SMR_OK)
-        *n = points->surface.n_vertices;
-    return usable(points);
+    SMR_TRY(usable(points));
+    *n = points->surface.n_vertices;
+    return SMR_OK;
 }
 
 static size_t index_bytes(uint32_t n) { return 3u * (size_t)n * sizeof(uint32_t); }
 
 smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes)
 {
-    const smr_status status = smr_surface_bytes(n, n, bytes);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_surface_bytes(n, n, bytes));
     if (*bytes > SIZE_MAX - index_bytes(n))
         return SMR_E_INPUT;
     *bytes += index_bytes(n);
@@ -159,31 +151,26 @@ smr_status smr_points_surface_begin(const smr_points *points, void *memory, size
     size_t needed;
     if (memory == NULL || surface == NULL)
         return SMR_E_NULL;
-    if (usable(points) != SMR_OK)
-        return usable(points);
+    SMR_TRY(usable(points));
     const smr_surface *cloud = &points->surface;
     const uint32_t n = cloud->n_vertices;
-    smr_status status = smr_points_surface_bytes(n, &needed);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_points_surface_bytes(n, &needed));
     if ((uintptr_t)memory % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
     if (bytes < needed)
         return SMR_E_ARENA;
     uint32_t *index = (void *)((unsigned char *)memory + needed - index_bytes(n));
     const smr_mesh mesh = {cloud->xyz, index, n, n};
-    status = smr_surface_begin(&mesh, memory, needed - index_bytes(n), surface);
-    if (status == SMR_OK) {
-        smr_arena_release(index, index_bytes(n));
-        (*surface)->work.index = index;
-        (*surface)->work.cloud = cloud;
-        (*surface)->work.changes = cloud->changes;
-    }
-    return status;
+    SMR_TRY(smr_surface_begin(&mesh, memory, needed - index_bytes(n), surface));
+    smr_arena_release(index, index_bytes(n));
+    (*surface)->work.index = index;
+    (*surface)->work.cloud = cloud;
+    (*surface)->work.changes = cloud->changes;
+    return SMR_OK;
 }
 
 smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
 {
-    const smr_status status = smr_points_surface_begin(points, memory, bytes, surface);
-    return status == SMR_OK ? smr_surface_step(*surface, 0, NULL, 0) : status;
+    SMR_TRY(smr_points_surface_begin(points, memory, bytes, surface));
+    return smr_surface_step(*surface, 0, NULL, 0);
 }

@@ -339,9 +339,7 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
     size_t needed;
     if (surface == NULL || mesh == NULL)
         return SMR_E_NULL;
-    const smr_status status = smr_arena_start(&a, memory, bytes);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_arena_start(&a, memory, bytes));
     const uint32_t nv = mesh->n_vertices, nt = mesh->n_triangles;
     if (mesh->xyz == NULL || (mesh->triangles == NULL && nt > 0u))
         return SMR_E_NULL;
@@ -381,14 +379,10 @@ smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, s
     smr_surface *s;
     if (surface == NULL || mesh == NULL)
         return SMR_E_NULL;
-    smr_status status = smr_arena_start(&a, memory, bytes);
-    if (status == SMR_OK)
-        status = smr_mesh_check(mesh); /* a refused mesh leaves the memory unchanged */
-    if (status == SMR_OK)
-        status = smr_surface_begin(mesh, memory, bytes, &s);
-    if (status == SMR_OK)
-        status = smr_surface_step(s, 0, NULL, 0);
-    if (status == SMR_OK)
-        *surface = s;
-    return status;
+    SMR_TRY(smr_arena_start(&a, memory, bytes));
+    SMR_TRY(smr_mesh_check(mesh)); /* a refused mesh leaves the memory unchanged */
+    SMR_TRY(smr_surface_begin(mesh, memory, bytes, &s));
+    SMR_TRY(smr_surface_step(s, 0, NULL, 0));
+    *surface = s;
+    return SMR_OK;
 }

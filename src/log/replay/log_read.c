@@ -116,9 +116,7 @@ smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
     for (uint32_t i = 0; i < n; i++)
         word[i] = smr_log_get32(at + 4u + 4u * i);
     smr_log_record r = {.kind = kind};
-    const smr_status status = take(word, &r);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(take(word, &r));
     *record = r;
     reader->at += bytes;
     reader->checksum = crc;

@@ -15,9 +15,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
         return SMR_E_NULL;
     if (!smr_ready(s) || !s->log.fresh)
         return SMR_E_STATE;
-    const smr_status status = smr_log_open(log, bytes, &reader, &info);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_log_open(log, bytes, &reader, &info));
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
     info.config.basic.n_workers = s->shared.config.basic.n_workers; /* may differ: it does not affect results */
@@ -160,16 +158,12 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 
 static smr_status take_tick(smr_replay *r, smr_replay_report *report)
 {
-    smr_status status = SMR_OK;
     smr_log_record *const recorded = &report->record;
     recorded->checksum = r->gave;
     r->gave = 0;
     if (recorded->complete) {
-        status = smr_set_active(r->s, recorded->n_taken);
-        if (status == SMR_OK)
-            status = smr_tick(r->s, 0, NULL);
-        if (status != SMR_OK)
-            return status;
+        SMR_TRY(smr_set_active(r->s, recorded->n_taken));
+        SMR_TRY(smr_tick(r->s, 0, NULL));
     }
     r->has_forces = !recorded->complete && recorded->phase != SMR_PHASE_FORCES;
     report->found = found_here(r->s, recorded);
@@ -177,12 +171,10 @@ static smr_status take_tick(smr_replay *r, smr_replay_report *report)
     report->differs = a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
                       a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken ||
                       a->n_forces != b->n_forces || a->checksum != b->checksum;
-    if (recorded->complete) {
-        smr_log_record late;
-        status = set_later(r, &late);
-        if (status != SMR_OK)
-            report->record = late;
-    }
+    smr_log_record late;
+    const smr_status status = recorded->complete ? set_later(r, &late) : SMR_OK;
+    if (status != SMR_OK)
+        report->record = late;
     return status;
 }
 

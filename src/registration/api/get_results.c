@@ -4,9 +4,7 @@
 
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
 {
-    smr_status status = smr_readable(s, structure, xyz);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_readable(s, structure, xyz));
     const smr_shape_structure *one = &s->shape.structure[structure];
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
@@ -56,9 +54,7 @@ static int has_landmark(const smr *s, uint32_t structure)
 
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
 {
-    smr_status status = smr_readable(s, structure, report);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_readable(s, structure, report));
     if (s->n_awaited > 0u)
         return SMR_E_STATE; /* awaited inputs are not set: the structure's target is unknown */
     const smr_shape_structure *one = &s->shape.structure[structure];

@@ -10,9 +10,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
     smr s;
     if (model == NULL || config == NULL || bytes == NULL)
         return SMR_E_NULL;
-    const smr_status status = smr_config_check(config, model);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_config_check(config, model));
     smr_count(&s, model, config);
     smr_arena a = smr_arena_measure();
     (void)smr_layout(&a, &s);
@@ -51,11 +49,8 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     size_t needed;
     if (out == NULL)
         return SMR_E_NULL;
-    smr_status status = smr_arena_bytes(model, config, &needed);
-    if (status == SMR_OK)
-        status = smr_arena_start(&a, arena, arena_bytes);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_arena_bytes(model, config, &needed));
+    SMR_TRY(smr_arena_start(&a, arena, arena_bytes));
     if (port != NULL && (port->n_workers < 1u || port->n_workers > config->basic.n_workers))
         return SMR_E_CONFIG;
     if (needed > arena_bytes)

@@ -87,17 +87,14 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
     smr s, *self;
     if (model == NULL || saved == NULL || out == NULL)
         return SMR_E_NULL;
-    smr_status status = smr_save_info(saved, saved_bytes, &info);
-    if (status == SMR_OK)
-        status = check(model, config == NULL ? &info.config : config, &info);
-    if (status != SMR_OK)
-        return status;
-    smr_count(&s, model, config == NULL ? &info.config : config);
+    SMR_TRY(smr_save_info(saved, saved_bytes, &info));
+    if (config == NULL)
+        config = &info.config;
+    SMR_TRY(check(model, config, &info));
+    smr_count(&s, model, config);
     if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes)) /* a full build saves more */
         return smr_built_without()[0] == 0 ? SMR_E_SAVE : SMR_E_WITHOUT;
-    status = smr_init(model, &s.shared.config, port, arena, bytes, &self);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_init(model, &s.shared.config, port, arena, bytes, &self));
     (void)go_over(self, SMR_KEEP_RESTORE, saved, saved_bytes);
     self->await = smr_await;
     derive(self);

@@ -188,43 +188,40 @@ static smr_status take(smr *s, uint32_t at, uint64_t sum)
 
 static smr_status await_goals(smr *s, uint32_t structure, const smr_goals *goals)
 {
-    const uint64_t sum = smr_log_checksum(SMR_LOG_GOALS, goals, s->shape.structure[structure].n_vertices);
-    const smr_status status = goals->xyz == NULL ? SMR_E_STATE : take(s, s->shared.n_structures + 1u + structure, sum);
-    if (status == SMR_OK) {
-        s->forces.caller.calls = &smr_caller_all;
-        s->forces.caller.goals[structure] = *goals;
-    }
-    return status;
+    if (goals->xyz == NULL)
+        return SMR_E_STATE;
+    SMR_TRY(take(s, s->shared.n_structures + 1u + structure,
+                 smr_goals_checksum(goals, s->shape.structure[structure].n_vertices)));
+    s->forces.caller.calls = &smr_caller_all;
+    s->forces.caller.goals[structure] = *goals;
+    return SMR_OK;
 }
 
 static smr_status await_force(smr *s, const smr_caller_force *own)
 {
-    const smr_status status = own->force == NULL ? SMR_E_STATE : take(s, 2u * s->shared.n_structures + 1u, 1u);
-    if (status == SMR_OK) {
-        s->forces.caller.calls = &smr_caller_all;
-        s->forces.caller.force = own->force;
-        s->forces.caller.ctx = own->ctx;
-    }
-    return status;
+    if (own->force == NULL)
+        return SMR_E_STATE;
+    SMR_TRY(take(s, 2u * s->shared.n_structures + 1u, 1u));
+    s->forces.caller.calls = &smr_caller_all;
+    s->forces.caller.force = own->force;
+    s->forces.caller.ctx = own->ctx;
+    return SMR_OK;
 }
 
 static smr_status await_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
-    const smr_status status = take(s, 2u * s->shared.n_structures + 2u + index, smr_surface_checksum(surface));
-    if (status == SMR_OK)
-        s->forces.contact.fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
-    return status;
+    SMR_TRY(take(s, 2u * s->shared.n_structures + 2u + index, smr_surface_checksum(surface)));
+    s->forces.contact.fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
+    return SMR_OK;
 }
 
 static smr_status await_volume(smr *s, const smr_volume *volume)
 {
     smr_grid grid;
-    smr_status status = smr_grid_open(volume, &grid);
-    if (status == SMR_OK)
-        status = take(s, s->shared.n_structures, smr_volume_checksum(volume));
-    if (status == SMR_OK)
-        s->forces.image.grid = grid;
-    return status;
+    SMR_TRY(smr_grid_open(volume, &grid));
+    SMR_TRY(take(s, s->shared.n_structures, smr_volume_checksum(volume)));
+    s->forces.image.grid = grid;
+    return SMR_OK;
 }
 
 smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what)

@@ -112,9 +112,7 @@ smr_status smr_save(const smr *s, void *memory, size_t bytes)
     size_t needed;
     if (memory == NULL)
         return SMR_E_NULL;
-    const smr_status status = smr_save_bytes(s, &needed);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_save_bytes(s, &needed));
     if (!smr_ready(s) || s->refused || s->forces.caller.broken || s->step != 0u || s->next_task != 0u ||
         !smr_can_wait(&s->shared) || !smr_inputs_valid(&s->forces))
         return SMR_E_STATE; /* saves only between iterations, when all inputs can still be read */

@@ -14,9 +14,7 @@ static int legal(const float *xyz, const float *weights, uint32_t n)
 smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const float *weights)
 {
     const smr_goals goals = {xyz, xyz != NULL ? weights : NULL};
-    const smr_status status = smr_settable(s, 1, 1);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_settable(s, 1, 1));
     if (s->forces.caller.goals == NULL)
         return SMR_E_ARENA;
     if (structure >= s->shared.n_structures)
@@ -35,9 +33,7 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
 
 smr_status smr_set_force(smr *s, smr_force force, void *ctx)
 {
-    const smr_status status = smr_settable(s, 1, 1);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_settable(s, 1, 1));
     if (s->forces.caller.force_output == NULL)
         return SMR_E_ARENA;
     if (s->n_awaited > 0u)

@@ -113,9 +113,7 @@ static void bind_point(smr_bound_landmark *b, const smr *s, const smr_landmark *
 
 smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
 {
-    const smr_status status = landmarks == NULL && n > 0u ? SMR_E_NULL : smr_settable(s, SMR_HAS_PARTIAL, smr_ready(s));
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(landmarks == NULL && n > 0u ? SMR_E_NULL : smr_settable(s, SMR_HAS_PARTIAL, smr_ready(s)));
     if (n > s->shared.config.partial.n_landmarks)
         return SMR_E_ARENA;
     for (uint32_t i = 0; i < n; i++)

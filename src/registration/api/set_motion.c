@@ -25,9 +25,7 @@ static int legal(const float *mass, const float *velocity, uint32_t n)
 smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const float *velocity)
 {
     const smr_motion motion = {mass, velocity};
-    const smr_status status = check(s, mass != NULL ? mass : velocity);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(check(s, mass != NULL ? mass : velocity));
     if (!smr_ready(s))
         return SMR_E_STATE;
     if (structure >= s->shared.n_structures)
@@ -55,9 +53,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
 
 smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity)
 {
-    const smr_status status = check(s, velocity);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(check(s, velocity));
     return smr_copy_out(s, structure, s->shape.dynamics->velocity, smr_v(0, 0, 0), velocity);
 }
 
@@ -99,9 +95,7 @@ static moments moments_of(const smr *s)
 
 smr_status smr_get_energy(const smr *s, smr_energy *energy)
 {
-    const smr_status status = check(s, energy);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(check(s, energy));
     const moments sum = moments_of(s);
     const smr_stored_energy *stored = &s->shape.dynamics->stored;
     const smr_vec mean = sum.mass > 0.0f ? smr_scale(sum.first, 1.0f / sum.mass) : smr_v(0, 0, 0);

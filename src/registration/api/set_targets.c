@@ -159,39 +159,31 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
 
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
 {
-    smr_status status = smr_settable(s, 1, surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface)));
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_settable(s, 1, surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface))));
     if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.partial.coverage != SMR_COVERAGE_WHOLE)
         return SMR_E_CONFIG;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_SURFACE, structure, surface);
-    status = smr_set_target(s, structure, surface);
-    if (status == SMR_OK)
-        smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
-    return status;
+    SMR_TRY(smr_set_target(s, structure, surface));
+    smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
+    return SMR_OK;
 }
 
 smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
 {
     const smr_surface *surface = points == NULL ? NULL : &points->surface;
-    smr_status status = smr_settable(s, SMR_HAS_PARTIAL, points == NULL || smr_points_valid(points));
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_settable(s, SMR_HAS_PARTIAL, points == NULL || smr_points_valid(points)));
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_POINTS, structure, surface);
-    status = smr_set_target(s, structure, surface);
-    if (status == SMR_OK)
-        smr_log_note(&s->log, SMR_LOG_POINTS, structure, points, 0);
-    return status;
+    SMR_TRY(smr_set_target(s, structure, surface));
+    smr_log_note(&s->log, SMR_LOG_POINTS, structure, points, 0);
+    return SMR_OK;
 }
 
 smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
     const int legal = surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface));
-    const smr_status status = smr_settable(s, SMR_HAS_CONTACT, legal);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_settable(s, SMR_HAS_CONTACT, legal));
     smr_contact *c = &s->forces.contact;
     if (c->fixed == NULL)
         return SMR_E_ARENA;
@@ -214,9 +206,7 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return SMR_E_CONFIG;
     if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
         return SMR_E_STATE;
-    const smr_status status = volume == NULL ? SMR_OK : smr_grid_open(volume, &grid);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(volume == NULL ? SMR_OK : smr_grid_open(volume, &grid));
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_VOLUME, 0, volume);
     if (volume == NULL && !s->forces.image.has_image)

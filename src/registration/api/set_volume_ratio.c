@@ -5,9 +5,7 @@
 
 smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
 {
-    const smr_status status = smr_settable(s, SMR_HAS_CONTACT, smr_ready(s));
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_settable(s, SMR_HAS_CONTACT, smr_ready(s)));
     smr_kept_volume *kept = s->volumes.kept;
     const uint32_t n = s->shared.n_structures;
     if (kept == NULL)
@@ -25,9 +23,7 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
 
 smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_structure_volume *volume)
 {
-    const smr_status status = smr_readable(s, structure, volume);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_readable(s, structure, volume));
     const smr_kept_volume *kept = s->volumes.kept;
     float rest = 0.0f, thick;
     memset(volume, 0, sizeof *volume);
