@@ -23,8 +23,6 @@ void __asan_unpoison_memory_region(void const volatile *addr, size_t size);
 #define SMR_RED_ZONE ((size_t)0)
 #endif
 
-smr_arena smr_arena_measure(void) { return (smr_arena){NULL, 0, 0, NULL}; }
-
 smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
 {
     if (base == NULL)

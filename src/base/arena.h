@@ -14,7 +14,7 @@ typedef struct smr_arena {
 } smr_arena;
 
 /* Returns an arena that only measures. */
-smr_arena smr_arena_measure(void);
+static inline smr_arena smr_arena_measure(void) { return (smr_arena){NULL, 0, 0, NULL}; }
 
 /* Starts an arena on base, which must be aligned to SMR_ALIGN. Errors: E_NULL, E_ALIGN. */
 smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity);

@@ -1,4 +1,5 @@
-/* base.h: included by every file of src/: assumptions about float, scalar helpers, and the cookie of configurations.
+/* base.h: included by every file of src/: assumptions about float, scalar helpers, loops over
+ * parallel tasks, and the cookie of configurations.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BASE_H
 #define SMR_BASE_H
@@ -57,6 +58,28 @@ static inline float smr_positive(float a)
 
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
+
+/* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1 and returns when all are done. Without a parallel
+ * port, or with one task, the calling thread runs the tasks in order. The number of tasks must follow from the model,
+ * never from the number of workers, so that results do not depend on the workers. */
+static inline void smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
+{
+    if (port->parallel != NULL && n_tasks > 1u) {
+        port->parallel(port->ctx, run, arg, n_tasks);
+        return;
+    }
+    for (uint32_t t = 0; t < n_tasks; t++)
+        run(arg, t, 0u);
+}
+
+/* Union-find: returns the representative of the set that holds i, and shortens the path to it. parent[i]: the element
+ * above i in its set's tree, or i itself for the representative. */
+static inline uint32_t smr_set_root(uint32_t *parent, uint32_t i)
+{
+    while (parent[i] != i)
+        i = parent[i] = parent[parent[i]];
+    return i;
+}
 
 /* The cookie of a configuration: tag, minor version and struct size. Other versions' configurations have other ones. */
 #define SMR_COOKIE(tag, type)                                                                                          \

@@ -27,7 +27,7 @@ typedef struct smr_keep_calls {
     void (*pose)(smr_arena *a, smr_pose *pose, float most);
 } smr_keep_calls;
 
-extern const smr_keep_calls smr_keep_all; /* save_field_values.c */
+extern const smr_keep_calls smr_keep_all;
 
 typedef struct smr_keeper {
     const smr_keep_calls *calls;

@@ -2,19 +2,15 @@
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 
-#define SMR_KIND_COUNT SMR_SETTING_COUNT
-#define SMR_KIND_INDEX SMR_SETTING_COUNT
-#define SMR_KIND_NUMBER SMR_SETTING_NUMBER
-#define SMR_KIND_VECTOR SMR_SETTING_NUMBER
-#define SMR_KIND_CHOICE SMR_SETTING_CHOICE
-#define SMR_KIND_SWITCH SMR_SETTING_SWITCH
-#define SMR_KIND_POINTER SMR_SETTING_POINTER
+/* The kinds of the tables that smr.h does not tell apart from others. */
+#define SMR_SETTING_INDEX SMR_SETTING_COUNT
+#define SMR_SETTING_VECTOR SMR_SETTING_NUMBER
 
 #define SMR_ROW_TEXT(type, kind, number, path, name, unit, low, high, ends, value, image, text)                        \
     {#name,                                                                                                            \
      unit,                                                                                                             \
      text,                                                                                                             \
-     SMR_KIND_##kind,                                                                                                  \
+     SMR_SETTING_##kind,                                                                                               \
      (number),                                                                                                         \
      (uint32_t)offsetof(type, path),                                                                                   \
      (uint32_t)sizeof(((type *)NULL)->path),                                                                           \

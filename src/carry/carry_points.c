@@ -3,7 +3,6 @@
  * Bounds: a radix sort and boxes over the vertices; for each bound point one search and one factor of the equations.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
-#include "base/parallel.h"
 #include "carry/carry.h"
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/rotation/similarity_fit.h"

@@ -142,25 +142,21 @@ static inline uint32_t smr_list_count(const smr_lists *l, uint32_t v)
     return smr_index_at(l->count, l->index_bytes, v);
 }
 
-/* Return the structure of a stored vertex, and its position along the curve. */
+/* Returns number i of the list of uint32 at a stored offset. */
+static inline uint32_t smr_word_at(const smr_model *m, uint32_t at, uint32_t i)
+{
+    return smr_index_at(smr_at(m, at), 4, i);
+}
+
+/* Return the structure of stored vertex v; its position along the curve; the stored vertex of the caller's vertex
+ * i; the caller's vertex of stored vertex v. */
 static inline uint32_t smr_model_owner(const smr_model *m, uint32_t v)
 {
     return smr_index_at(smr_at(m, m->at_owner), 2, v);
 }
-static inline uint32_t smr_model_along(const smr_model *m, uint32_t v)
-{
-    return smr_index_at(smr_at(m, m->at_along), 4, v);
-}
-
-/* Return the stored vertex of a caller's vertex, and the caller's vertex of a stored vertex. */
-static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
-{
-    return smr_index_at(smr_at(m, m->at_position), 4, callers);
-}
-static inline uint32_t smr_model_original(const smr_model *m, uint32_t v)
-{
-    return smr_index_at(smr_at(m, m->at_original), 4, v);
-}
+static inline uint32_t smr_model_along(const smr_model *m, uint32_t v) { return smr_word_at(m, m->at_along, v); }
+static inline uint32_t smr_model_position(const smr_model *m, uint32_t i) { return smr_word_at(m, m->at_position, i); }
+static inline uint32_t smr_model_original(const smr_model *m, uint32_t v) { return smr_word_at(m, m->at_original, v); }
 
 static inline const smr_stored_structure *smr_model_record(const smr_model *m, uint32_t structure)
 {

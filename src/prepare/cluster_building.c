@@ -148,7 +148,7 @@ static void geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
 {
-    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
+    for (uint32_t w = smr_row_first(row, p->words); p->separate && w < smr_row_last(row, p->words); w++) {
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             uint32_t bit = (uint32_t)__builtin_ctzll(rest);
             if (smr_kept_apart(p, v, w * 64u + bit))
@@ -163,8 +163,7 @@ void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
         geodesic_row(p, v, radius, row);
     else
         smr_ball_row(p, v, radius, row);
-    if (p->separate)
-        smr_row_keep_structure(p, v, row);
+    smr_row_keep_structure(p, v, row);
     for (uint32_t i = p->neighbour_start[v]; smr_holds_neighbours(p, radius) && i < p->neighbour_start[v + 1u]; i++)
         smr_row_set(row, p->words, p->neighbour[i]);
 }

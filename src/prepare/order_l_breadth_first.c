@@ -20,8 +20,7 @@ static float one_ring_radius(smr_plan *p)
 static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
 {
     smr_ball_row(p, v, s_min, row);
-    if (p->separate)
-        smr_row_keep_structure(p, v, row);
+    smr_row_keep_structure(p, v, row);
 }
 
 /* Sorts the vertices into p->item[n] by |xi|, the largest first, ties by number. */

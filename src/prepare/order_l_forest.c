@@ -8,14 +8,6 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "prepare/prepare_plan.h"
 
-/* Union-find: returns the representative of i's set, and shortens the path to it. */
-static uint32_t find(uint32_t *set, uint32_t i)
-{
-    while (set[i] != i)
-        i = set[i] = set[set[i]];
-    return i;
-}
-
 /* A block, as the argument of parallel loops. Each task writes only the results of its own chunk. */
 typedef struct block {
     smr_plan *p;
@@ -111,7 +103,8 @@ static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32
     uint32_t kept = 0;
     for (uint32_t i = 0; i < n_edges && kept < size; i++) {
         const uint32_t e = p->item[i];
-        const uint32_t a = find(p->forest.parent, p->forest.edge_a[e]), b = find(p->forest.parent, p->forest.edge_b[e]);
+        const uint32_t a = smr_set_root(p->forest.parent, p->forest.edge_a[e]),
+                       b = smr_set_root(p->forest.parent, p->forest.edge_b[e]);
         if (a != b) {
             p->forest.parent[a] = b;
             p->tmp[kept++] = e;

@@ -7,7 +7,6 @@
 #define SMR_PREPARE_PLAN_H
 
 #include "base/arena.h"
-#include "base/parallel.h"
 #include "geometry/box_tree/box_tree.h"
 #include "model/model.h"
 

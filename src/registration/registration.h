@@ -5,7 +5,6 @@
 #ifndef SMR_REGISTRATION_H
 #define SMR_REGISTRATION_H
 
-#include "base/parallel.h"
 #include "registration/evolve/evolve_positions.h"
 #include "options/contact/contact.h"
 #include "registration/folds/folds.h"

@@ -84,8 +84,3 @@ void smr_tree_refit_nodes(const smr_box_tree *f, uint32_t first, uint32_t last)
             set_from(node, k, &f->node[child + k]);
     }
 }
-
-void smr_tree_refit_upper(const smr_box_tree *f)
-{
-    smr_tree_refit_nodes(f, smr_tree_leaves(f), smr_tree_nodes(f->n_triangles));
-}

@@ -44,7 +44,10 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
 void smr_tree_refit_nodes(const smr_box_tree *f, uint32_t first, uint32_t last);
 
 /* Recomputes the boxes of all levels above the leaves. */
-void smr_tree_refit_upper(const smr_box_tree *f);
+static inline void smr_tree_refit_upper(const smr_box_tree *f)
+{
+    smr_tree_refit_nodes(f, smr_tree_leaves(f), smr_tree_nodes(f->n_triangles));
+}
 
 /* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};

@@ -7,6 +7,7 @@
 #include "base/bytes.h"
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/box_tree/triangle.h"
 
 /* Returns an unsigned integer with the same order as the float; -0 equals 0. */
 static uint32_t sortable(float v)
@@ -123,10 +124,8 @@ int smr_order_step(smr_order *o, uint32_t most)
 void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = mesh->triangles + 3u * (size_t)k;
-        const smr_vec sum =
-            smr_add(smr_get3(mesh->xyz, t[0]), smr_add(smr_get3(mesh->xyz, t[1]), smr_get3(mesh->xyz, t[2])));
-        smr_put3(centre, k, sum);
+        const smr_corner_values v = smr_corners_of(mesh->xyz, mesh->triangles + 3u * (size_t)k);
+        smr_put3(centre, k, smr_add(v.a, smr_add(v.b, v.c)));
         order[k] = k;
     }
 }

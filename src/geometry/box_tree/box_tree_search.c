@@ -45,10 +45,9 @@ static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const
     smr_vec n = smr_get3(f->normal, i);
     if (smr_dot(n, q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
         return;
-    const uint32_t *t = f->triangle + 3u * (size_t)i;
+    const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
     float weight[3];
-    float d2 =
-        smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]), weight);
+    const float d2 = smr_triangle_closest(q->point, v.a, v.b, v.c, weight);
     if (list != NULL && d2 < hit->d2 * widen)
         add_near(list, i, d2, weight);
     if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {

@@ -18,14 +18,7 @@ static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }
 
-static uint32_t root(const smr_surface *s, uint32_t k)
-{
-    uint32_t *const up = parent(s);
-    while (up[k] != k)
-        k = up[k] = up[up[k]];
-    return k;
-}
-
+/* Unites the components with the roots a and b: the one with fewer triangles becomes a part of the other. */
 static void unite(smr_surface *s, uint32_t a, uint32_t b)
 {
     const uint32_t more = count(s)[a] < count(s)[b] ? b : a, fewer = more == a ? b : a;
@@ -52,7 +45,7 @@ void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last)
             uint32_t *const one = &s->work.start[s->triangle[3u * (size_t)k + c]];
             if (*one == SMR_NONE)
                 *one = k;
-            unite(s, root(s, *one), root(s, k));
+            unite(s, smr_set_root(parent(s), *one), smr_set_root(parent(s), k));
         }
     }
 }
@@ -87,7 +80,7 @@ void smr_bodies_number(smr_surface *s, uint32_t first, uint32_t last)
 void smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
-        s->work.body[k] = (unsigned char)edges(s)[root(s, k)];
+        s->work.body[k] = (unsigned char)edges(s)[smr_set_root(parent(s), k)];
         s->open |= s->work.body[k] != SMR_BODY_FRAGMENT && (s->border[k] & 7u) != 0u;
     }
 }

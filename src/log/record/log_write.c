@@ -75,29 +75,32 @@ static void put_tick(smr_log *log, const smr_log_of_tick *t)
     put(log, SMR_LOG_TICK, word);
 }
 
+/* Logs that an input was set or taken away, with the checksum by which a replay compares it. */
+static void put_input(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
+{
+    const uint64_t sum = smr_log_checksum(kind, what, n);
+    const uint32_t present = kind == SMR_LOG_GOALS ? ((const smr_goals *)what)->xyz != NULL : what != NULL;
+    const uint32_t bare[3] = {kind == SMR_LOG_VOLUME ? present : number, low(sum), high(sum)};
+    const uint32_t whole[4] = {number, present, low(sum), high(sum)};
+    put(log, kind, smr_log_words(kind) == 4u ? whole : bare);
+}
+
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
 {
     uint32_t word[SMR_LOG_WORDS] = {number};
-    uint64_t sum = 0;
     switch (kind) {
     case SMR_LOG_TICK: put_tick(log, what); return;
     case SMR_LOG_LANDMARKS: put_landmarks(log, what, n); return;
-    case SMR_LOG_POSE:
-        memcpy(word, what, sizeof(smr_pose));
-        put(log, kind, word);
-        return;
-    case SMR_LOG_VOLUME_RATIO:
-        memcpy(word + 1, what, sizeof(float));
-        put(log, kind, word);
-        return;
-    case SMR_LOG_ACTIVE: put(log, kind, word); return;
-    case SMR_LOG_FORCE: sum = what != NULL ? *(const uint64_t *)what : 0u; break;
-    default: sum = smr_log_checksum(kind, what, n); break;
+    case SMR_LOG_POSE: memcpy(word, what, sizeof(smr_pose)); break;
+    case SMR_LOG_VOLUME_RATIO: memcpy(word + 1, what, sizeof(float)); break;
+    case SMR_LOG_FORCE:
+        word[1] = what != NULL ? low(*(const uint64_t *)what) : 0u;
+        word[2] = what != NULL ? high(*(const uint64_t *)what) : 0u;
+        break;
+    case SMR_LOG_ACTIVE: break;
+    default: put_input(log, kind, number, what, n); return;
     }
-    const int present = kind == SMR_LOG_GOALS ? ((const smr_goals *)what)->xyz != NULL : what != NULL;
-    const uint32_t bare[3] = {kind == SMR_LOG_VOLUME ? (uint32_t)present : number, low(sum), high(sum)};
-    const uint32_t whole[4] = {number, (uint32_t)present, low(sum), high(sum)};
-    put(log, kind, smr_log_words(kind) == 4u ? whole : bare);
+    put(log, kind, word);
 }
 
 static void write_header(smr_log *log, const smr_shared *shared)

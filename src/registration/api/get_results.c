@@ -87,8 +87,7 @@ uint64_t smr_state_hash(const smr *s)
 
 smr_status smr_get_log(const smr *s, smr_log_state *state)
 {
-    const smr_status status = smr_readable(s, 0, state);
-    if (status == SMR_OK)
-        *state = (smr_log_state){s->log.used, s->log.n_ticks, s->log.full};
-    return status;
+    SMR_TRY(smr_readable(s, 0, state));
+    *state = (smr_log_state){s->log.used, s->log.n_ticks, s->log.full};
+    return SMR_OK;
 }

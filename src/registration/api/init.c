@@ -1,9 +1,114 @@
-/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: to measure for smr_arena_bytes(),
- * and to place for smr_init(), on a copy on the stack until the arena is known to be large enough.
+/* init.c: divides the arena, and starts a registration at the model's rest shape. Each stage names its slots and fields
+ * once: smr_layout() measures for smr_arena_bytes(), places for smr_init(), on a copy on the stack until the arena is
+ * known to be large enough, and lists the values of smr_save() and smr_restore().
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "registration/config/config.h"
 #include "registration/api/setup.h"
+
+/* The parts of an iteration that model and configuration need. */
+static uint32_t parts_of(const smr_shared *shared)
+{
+    const smr_config *const c = &shared->config;
+    const int image = smr_le32(shared->model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
+    const int partial = c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u || (track && image) ||
+                        smr_target_slots(shared) > 0u; /* a cloud */
+    const int contact = c->contact.share > 0.0f || c->contact.volume > 0.0f || c->contact.smooth > 0.0f;
+    const int caller = c->caller.goals || c->caller.force != SMR_CALLER_OFF;
+    return SMR_PART_PLAIN | SMR_PART_REFERENCE | (SMR_HAS_IMAGE && image ? SMR_PART_IMAGE : 0u) |
+           (SMR_HAS_PARTIAL && partial ? SMR_PART_PARTIAL : 0u) | (SMR_HAS_TRACK && track ? SMR_PART_TRACK : 0u) |
+           (SMR_HAS_CONTACT && contact ? SMR_PART_CONTACT : 0u) |
+           (SMR_HAS_DYNAMICS && c->dynamics.mode ? SMR_PART_DYNAMICS : 0u) | (caller ? SMR_PART_CALLER : 0u);
+}
+
+void smr_count(smr *s, const smr_model *model, const smr_config *config)
+{
+    memset(s, 0, sizeof *s);
+    s->shared.model = model;
+    s->shared.config = *config;
+    smr_config_settle(&s->shared.config);
+    s->shared.n = smr_le32(model->n_vertices);
+    s->shared.n_triangles = smr_le32(model->n_triangles);
+    s->shared.n_structures = smr_le32(model->n_structures);
+    s->shared.n_radii = smr_le32(model->n_radii);
+    s->shared.n_dihedrals = smr_le32(model->n_dihedrals);
+    s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
+    s->shared.parts = parts_of(&s->shared);
+}
+
+smr *smr_layout(smr_arena *a, smr *s)
+{
+    const smr_shared *shared = &s->shared;
+    const size_t n_field = SMR_HAS_PARTIAL ? smr_occluded_field_words(shared) : 0u;
+    const uint32_t dihedral_tasks = smr_ceil_div(shared->n_dihedrals, SMR_DIHEDRAL_CHUNK);
+    smr *self = smr_slot_scratch(a, NULL, 1, sizeof *self);
+    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, n_field,
+                       smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), dihedral_tasks));
+    smr_shape_layout(a, &s->shape, shared);
+    if (SMR_HAS_HELD)
+        smr_track_rest_layout(a, &s->shape, shared);
+    if (SMR_HAS_DYNAMICS)
+        smr_dynamics_layout(a, &s->shape.dynamics, shared);
+    smr_forces_layout(a, &s->forces, shared);
+    smr_reference_layout(a, &s->reference, shared);
+    smr_match_layout(a, &s->match, shared);
+    smr_evolve_layout(a, &s->evolve, shared);
+    if (SMR_HAS_CONTACT)
+        smr_volumes_layout(a, &s->volumes, shared);
+    smr_folds_layout(a, &s->folds, shared);
+    if (smr_keeps(a))
+        a->keeper->fields(a, s);
+    return self;
+}
+
+/* Sets the pointers of the sources of goals to all that they read, except shared, schedule and shape. */
+static void wire_sources(smr_forces *f, const smr_overlay *overlay)
+{
+    f->image.found = f->found_last;
+    f->image.rings = f->smooth.rings = overlay->rings;
+    f->points.goals = &f->surface;
+    f->points.memory = overlay->spread;
+    f->surface.spread = overlay->spread.pull;
+    if (!SMR_HAS_PARTIAL)
+        return;
+    f->landmarks.reach = smr_max(SMR_HARD_EDGES * smr_le_float(f->shared->model->edge_mm), 1.0e-3f);
+    smr_occluded_field_wire(&f->occluded, f->shared, f->schedule, f->shape, &f->surface, &f->landmarks, overlay);
+    smr_occluded_field_wire_image(&f->occluded, f->found_last, &f->image.has_image);
+}
+
+/* Sets the pointers of each stage to what the stage reads. */
+static void wire(smr *s)
+{
+    smr_forces *f = &s->forces;
+    smr_tangent_smooth *tangent = &s->evolve.tangent_smooth;
+    const smr_overlay *overlay = &s->overlay;
+    s->shape.shared = s->sums.shared = s->reference.shared = s->match.shared = s->evolve.shared = tangent->shared =
+        s->volumes.shared = s->folds.shared = &s->shared;
+    f->shared = f->surface.shared = f->landmarks.shared = f->points.shared = f->image.shared = f->caller.shared =
+        f->smooth.shared = f->contact.shared = &s->shared;
+    s->sums.schedule = s->reference.schedule = s->match.schedule = tangent->schedule = s->volumes.schedule =
+        s->folds.schedule = &s->schedule;
+    f->schedule = f->surface.schedule = f->landmarks.schedule = f->image.schedule = f->caller.schedule =
+        f->smooth.schedule = f->contact.schedule = &s->schedule;
+    s->reference.shape = s->evolve.shape = tangent->shape = s->volumes.shape = s->folds.shape = &s->shape;
+    f->shape = f->surface.shape = f->landmarks.shape = f->points.shape = f->image.shape = f->caller.shape =
+        f->smooth.shape = f->contact.shape = &s->shape;
+    f->tally = s->sums.tally = s->reference.tally = s->match.tally = s->evolve.tally = s->folds.tally = overlay->tally;
+    wire_sources(f, overlay);
+    f->contact.moved_mm = &s->evolve.moved_mm;
+    s->sums.record = overlay->record;
+    s->sums.sum = overlay->sum;
+    s->volumes.sum = overlay->sum;
+    s->sums.forces = s->evolve.forces = f;
+    s->reference.sums = &s->sums;
+    s->match.sums = s->evolve.sums = &s->sums;
+    s->match.reference = s->evolve.reference = &s->reference;
+    tangent->goals = &f->surface;
+    tangent->rings = s->folds.rings = overlay->rings;
+    s->folds.tangent_smooth = tangent;
+    if (smr_moves(s))
+        smr_dynamics_wire(s->shape.dynamics, &s->shared);
+}
 
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes)
 {
@@ -21,12 +126,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 static void start_triangles(smr *s)
 {
     const uint32_t *stored = smr_at(s->shared.model, s->shared.model->at_triangles);
-    s->shared.triangle = stored;
-    if (!SMR_BIG_ENDIAN)
-        return;
-    for (size_t i = 0; i < 3u * (size_t)s->shared.n_triangles; i++)
+    s->shared.triangle = SMR_BIG_ENDIAN ? s->shape.own_triangle : stored;
+    for (size_t i = 0; SMR_BIG_ENDIAN && i < 3u * (size_t)s->shared.n_triangles; i++)
         s->shape.own_triangle[i] = smr_le32(stored[i]);
-    s->shared.triangle = s->shape.own_triangle;
 }
 
 static void start_masses(smr_shared *c)
@@ -68,7 +170,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     start_masses(&s.shared);
     smr_budget_start(&s);
     *self = s;
-    smr_wire(self);
+    wire(self);
     smr_shape_start(&self->shape);
     if (SMR_HAS_HELD)
         smr_track_rest_wire(&self->shape);

@@ -104,8 +104,7 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
 
 smr_status smr_get_awaited(const smr *s, uint32_t *n)
 {
-    const smr_status status = smr_readable(s, 0, n);
-    if (status == SMR_OK)
-        *n = s->n_awaited;
-    return status;
+    SMR_TRY(smr_readable(s, 0, n));
+    *n = s->n_awaited;
+    return SMR_OK;
 }

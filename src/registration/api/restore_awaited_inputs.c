@@ -121,12 +121,6 @@ static int waits_for(const smr *s, uint32_t i, const smr_surface *surface, uint6
     return 1;
 }
 
-static void go_on(smr *s)
-{
-    if (s->n_awaited == 0u)
-        smr_take_goals(&s->forces.surface);
-}
-
 static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *surface)
 {
     smr_target *target = s->forces.surface.target;
@@ -171,7 +165,8 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
         s->log.bytes = bytes;
     }
     s->n_awaited--;
-    go_on(s);
+    if (s->n_awaited == 0u)
+        smr_take_goals(&s->forces.surface);
     return SMR_OK;
 }
 
@@ -236,6 +231,7 @@ smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what)
     case SMR_LOG_VOLUME: status = await_volume(s, what); break;
     default: status = await_surface(s, number, what); break;
     }
-    go_on(s);
+    if (s->n_awaited == 0u)
+        smr_take_goals(&s->forces.surface);
     return status;
 }

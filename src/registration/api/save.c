@@ -100,10 +100,9 @@ static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t
 
 smr_status smr_save_bytes(const smr *s, size_t *bytes)
 {
-    const smr_status status = smr_readable(s, 0, bytes);
-    if (status == SMR_OK)
-        *bytes = go_over(s, SMR_KEEP_COUNT, NULL, 0).at + 4u;
-    return status;
+    SMR_TRY(smr_readable(s, 0, bytes));
+    *bytes = go_over(s, SMR_KEEP_COUNT, NULL, 0).at + 4u;
+    return SMR_OK;
 }
 
 smr_status smr_save(const smr *s, void *memory, size_t bytes)

@@ -3,7 +3,7 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
 #include "registration/schedule_radius.h"
-#include "registration/tick/iteration_steps.h"
+#include "registration/api/setup.h"
 
 #define SMR_FAR_OFF 500.0f /* distance of the model from the origin, mm, from which on the origin is moved */
 
@@ -48,10 +48,7 @@ static void start_here(smr *s)
 
 smr_status smr_set_pose(smr *s, const smr_pose *pose)
 {
-    if (s == NULL || pose == NULL)
-        return SMR_E_NULL;
-    if (!smr_ready(s))
-        return SMR_E_STATE;
+    SMR_TRY(pose == NULL ? SMR_E_NULL : smr_settable(s, 1, smr_ready(s)));
     if (!smr_all_within(&pose->m[0][0], 12, SMR_COORD_MAX))
         return SMR_E_INPUT;
     const smr_vec centre = smr_model_centre(s->shared.model);
@@ -75,10 +72,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
 
 smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
 {
-    if (s == NULL || xyz == NULL)
-        return SMR_E_NULL;
-    if (!smr_ready(s))
-        return SMR_E_STATE;
+    SMR_TRY(xyz == NULL ? SMR_E_NULL : smr_settable(s, 1, smr_ready(s)));
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;
     const smr_shape_structure *one = &s->shape.structure[structure];

@@ -10,7 +10,6 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config);
 
 /* Lists all slots and saved values, after smr_count(). Returns the registration's slot; NULL to measure or save. */
 smr *smr_layout(smr_arena *a, smr *s);
-void smr_wire(smr *s); /* sets the pointers of each stage to what the stage reads */
 
 /* Lists distinct targets and tasks of their search. goal may be NULL. Returns the needed entries of target_warm. */
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks);

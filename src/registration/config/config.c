@@ -73,28 +73,19 @@ static const smr_range ranges[] = {
 #include "base/settings_config.def"
 };
 
-static int box_legal(const smr_config *c)
+/* Returns 1 when fields agree with each other and with a model of n_radii radii. Dynamics excludes tracking, contact,
+ * volume preservation and smoothing. */
+static int fields_agree(const smr_config *c, uint32_t n_radii)
 {
-    int legal = 1;
-    for (uint32_t i = 0; c->forces.use_box && i < 3u; i++)
-        legal &= c->forces.box_min[i] >= -SMR_COORD_MAX && c->forces.box_max[i] <= SMR_COORD_MAX &&
-                 c->forces.box_min[i] <= c->forces.box_max[i];
-    return legal;
-}
-
-/* Dynamics excludes tracking, contact, volume preservation and smoothing. */
-static int dynamics_legal(const smr_config *c)
-{
+    const uint32_t first = c->schedule.radius_first, last = c->schedule.radius_last;
     const int alone = c->track.mode == SMR_TRACK_OFF && !(c->contact.volume > 0.0f) && !(c->contact.smooth > 0.0f) &&
                       !(c->contact.share > 0.0f);
-    return (!c->dynamics.mode || alone) && smr_all_within(c->dynamics.gravity, 3, SMR_GRAVITY_MAX);
-}
-
-static int radii_legal(const smr_config *c, uint32_t n_radii)
-{
-    return c->schedule.radius_first < n_radii &&
-           (c->schedule.radius_last == SMR_FINEST || c->schedule.radius_last < n_radii) &&
-           c->schedule.radius_last >= c->schedule.radius_first;
+    int agree = first < n_radii && (last == SMR_FINEST || last < n_radii) && last >= first &&
+                (!c->dynamics.mode || alone) && smr_all_within(c->dynamics.gravity, 3, SMR_GRAVITY_MAX);
+    for (uint32_t i = 0; c->forces.use_box && i < 3u; i++)
+        agree &= c->forces.box_min[i] >= -SMR_COORD_MAX && c->forces.box_max[i] <= SMR_COORD_MAX &&
+                 c->forces.box_min[i] <= c->forces.box_max[i];
+    return agree;
 }
 
 void smr_config_settle(smr_config *c)
@@ -157,9 +148,8 @@ int smr_config_left_out(const smr_config *c)
 
 smr_status smr_config_check(const smr_config *c, const smr_model *m)
 {
-    const int known = c->cookie == SMR_COOKIE('R', smr_config);
-    return known && smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]) && box_legal(c) &&
-                   dynamics_legal(c) && !smr_config_left_out(c) && radii_legal(c, smr_le32(m->n_radii))
-               ? SMR_OK
-               : SMR_E_CONFIG;
+    const int legal = c->cookie == SMR_COOKIE('R', smr_config) &&
+                      smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]) && !smr_config_left_out(c) &&
+                      fields_agree(c, smr_le32(m->n_radii));
+    return legal ? SMR_OK : SMR_E_CONFIG;
 }

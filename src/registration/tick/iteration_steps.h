@@ -12,7 +12,7 @@ enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 /* Order of a step's tasks: any, or one after the other. */
 enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
 
-/* Parts of an iteration, as bits: the configuration decides which are in use (parts_of() in layout.c). PLAIN always is;
+/* Parts of an iteration, as bits: the configuration decides which are in use (parts_of() in init.c). PLAIN always is;
  * steps of REFERENCE have tasks only in iterations with a new reference shape or other active vertices. */
 enum {
     SMR_PART_PLAIN = 1,
