@@ -4,10 +4,10 @@
 #include "base/arena.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-#define SMR_ASAN 1
+#define SMR_ASAN 1 /* the address sanitiser watches this build */
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
-#define SMR_ASAN 1
+#define SMR_ASAN 1 /* the address sanitiser watches this build */
 #endif
 #endif
 
@@ -16,11 +16,11 @@ void __asan_poison_memory_region(void const volatile *addr, size_t size);
 void __asan_unpoison_memory_region(void const volatile *addr, size_t size);
 #define SMR_POISON(p, n) __asan_poison_memory_region((p), (n))
 #define SMR_UNPOISON(p, n) __asan_unpoison_memory_region((p), (n))
-#define SMR_RED_ZONE ((size_t)SMR_ALIGN)
+#define SMR_RED_ZONE ((size_t)SMR_ALIGN) /* bytes of poisoned memory behind each slot */
 #else
 #define SMR_POISON(p, n) ((void)(p), (void)(n))
 #define SMR_UNPOISON(p, n) ((void)(p), (void)(n))
-#define SMR_RED_ZONE ((size_t)0)
+#define SMR_RED_ZONE ((size_t)0) /* bytes of poisoned memory behind each slot: none */
 #endif
 
 smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)

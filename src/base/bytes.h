@@ -6,9 +6,9 @@
 #include "base/base.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-#define SMR_BIG_ENDIAN 1
+#define SMR_BIG_ENDIAN 1 /* the host stores the most significant byte of a number first */
 #else
-#define SMR_BIG_ENDIAN 0
+#define SMR_BIG_ENDIAN 0 /* the host stores the least significant byte of a number first */
 #endif
 
 /* Convert a host number to little-endian and back: swap the bytes on big-endian hosts, return v unchanged on others. */

@@ -33,11 +33,11 @@ typedef struct smr_keeper {
     const smr_keep_calls *calls;
     void (*fields)(smr_arena *a, smr *s); /* lists the saved fields that lie beside the slots */
     uint32_t mode;                        /* SMR_KEEP_... */
-    uint32_t wrong;                       /* 1: a value was out of its range, or the saved bytes ended too early */
-    uint32_t plan;                        /* checksum of the counts, kinds and ranges of the values listed so far */
-    unsigned char *to;                    /* [bytes] memory that a save writes */
-    const unsigned char *from;            /* [bytes] memory that a check or restore reads */
-    size_t at, bytes;                     /* bytes processed so far; all bytes */
+    uint32_t wrong;            /* 1: a value was outside the legal range, or the saved bytes ended too early */
+    uint32_t plan;             /* checksum of the counts, kinds and ranges of the values listed so far */
+    unsigned char *to;         /* [bytes] memory that a save writes */
+    const unsigned char *from; /* [bytes] memory that a check or restore reads */
+    size_t at, bytes;          /* number of bytes processed so far; number of all bytes of to or from */
 } smr_keeper;
 
 /* Returns 1 while saved values are processed and no slots are placed. */

@@ -9,10 +9,10 @@
 #include "base/vec.h"
 
 #define SMR_MODEL_MAGIC 0x31524d53u /* "SMR1" */
-#define SMR_MODEL_VERSION 3u
-#define SMR_MODEL_HEAD 16u   /* number of bytes at the start that the checksum does not cover */
-#define SMR_MASS_UNITS 16.0f /* masses are whole multiples of 1/16 */
-#define SMR_MASS_MAX 64.0f   /* largest mass */
+#define SMR_MODEL_VERSION 3u        /* version of the bytes that this library writes and reads */
+#define SMR_MODEL_HEAD 16u          /* number of bytes at the start that the checksum does not cover */
+#define SMR_MASS_UNITS 16.0f        /* masses are whole multiples of 1/16 */
+#define SMR_MASS_MAX 64.0f          /* largest mass */
 
 struct smr_model {
     uint32_t magic, version;
@@ -50,8 +50,8 @@ typedef struct smr_stored_section {
     uint32_t at, bytes; /* offset, behind the section before; size */
 } smr_stored_section;
 
-#define SMR_SECTIONS_MAX 64u
-#define SMR_SECTION_REQUIRED 1u
+#define SMR_SECTIONS_MAX 64u    /* most further sections of a model */
+#define SMR_SECTION_REQUIRED 1u /* flag of a section: a library that does not know the kind refuses the model */
 
 /* A structure. Vertices and triangles are numbered as the caller does, all structures in a row. */
 typedef struct smr_stored_structure {
@@ -65,10 +65,11 @@ typedef struct smr_stored_dihedral {
     uint32_t first, bend;
 } smr_stored_dihedral;
 
-#define SMR_DIHEDRAL_MASK 0xffffffu
-#define SMR_DIHEDRAL_OPEN (-0.4f) /* limits above this belong to edges of at most a right angle at rest */
-#define SMR_DIHEDRAL_UNIT 200.0f  /* cosine = code / 200 - 1 */
+#define SMR_DIHEDRAL_MASK 0xffffffu /* the bits of smr_stored_dihedral.bend that hold the second triangle */
+#define SMR_DIHEDRAL_OPEN (-0.4f)   /* limits above this belong to edges of at most a right angle at rest */
+#define SMR_DIHEDRAL_UNIT 200.0f    /* cosine = code / 200 - 1 */
 
+/* Returns the cosine between the normals of the two triangles below which the edge counts as folded. */
 static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
 
 typedef struct smr_stored_radius {
@@ -95,7 +96,7 @@ typedef struct smr_stored_boundary {
     uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
 } smr_stored_boundary;
 
-#define SMR_BOUNDARY_UNITS 256
+#define SMR_BOUNDARY_UNITS 256 /* smr_stored_boundary.share of weight 1 */
 
 /* A block of the order L: its first entry in at_entries and its first index in at_indexes. The vertices of a block form
  * one range along the Hilbert curve. */

@@ -49,7 +49,7 @@ __attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_ve
     return members;
 }
 
-/* Adds the members among a leaf's vertices to the row. */
+/* Adds the vertices of a leaf in the ball of squared radius r2, mm^2, around `centre` to the row. */
 static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2, uint64_t *row)
 {
     const uint32_t first = leaf * SMR_TREE_WIDTH, members = smr_leaf_members(&p->points.node[leaf], centre, r2);

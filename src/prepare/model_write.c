@@ -88,7 +88,7 @@ static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32
     return (uint32_t)at;
 }
 
-/* Writes `width` floats a vertex, in stored order. */
+/* Writes a section of `width` floats a vertex, in stored order. Returns the section's offset. */
 static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *value, size_t width)
 {
     const size_t at = smr_put_section(w, p->n * width * sizeof *value);
@@ -97,7 +97,7 @@ static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *valu
     return (uint32_t)at;
 }
 
-/* Writes `width` bytes a vertex, in stored order. */
+/* Writes a section of `width` bytes a vertex, in stored order. Returns the section's offset. */
 static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *value, size_t width)
 {
     const size_t at = smr_put_section(w, p->n * width);

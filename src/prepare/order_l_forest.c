@@ -113,7 +113,7 @@ static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32
     return kept;
 }
 
-/* Lists each vertex' neighbours in the tree: link_start, link. */
+/* Lists the neighbours of vertex v in the spanning tree in link[], from link_start[v] on. kept: tree edges in tmp. */
 static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
 {
     memset(p->forest.link_start, 0, ((size_t)size + 2u) * sizeof(uint32_t));

@@ -7,8 +7,8 @@
 
 #include "base/vec.h"
 
-#define SMR_TREE_WIDTH 8u
-#define SMR_TREE_LEVELS 9u /* 8^8 > SMR_TRIANGLES_MAX */
+#define SMR_TREE_WIDTH 8u  /* children of a node, and triangles of a leaf */
+#define SMR_TREE_LEVELS 9u /* most levels of a tree, since 8^8 > SMR_TRIANGLES_MAX */
 #define SMR_FAR 1.0e15f    /* mm: coordinate of empty boxes; its square still fits a float */
 
 /* A node: the boxes of its eight children, mm. Empty children have all coordinates SMR_FAR. */
@@ -176,8 +176,9 @@ typedef struct smr_order {
     uint32_t *order, *key, *tmp, *count; /* [n] result; scratch: [n], [2 n], [SMR_SORT_BYTES] for n > SMR_SORT_SMALL */
     uint32_t n;
     uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* first and end of each waiting range; entries in use */
-    uint32_t first, size, stage, at; /* range in work, its stage, triangles done; size 0: no range */
-    float lo[3], hi[3];              /* box around the centres of the range */
+    uint32_t first, size, stage,
+        at;             /* first entry and size of the range being sorted (size 0: none); stage; entries done */
+    float lo[3], hi[3]; /* box around the centres of the range */
 } smr_order;
 
 /* Writes centre and order of the triangles first .. last-1, in the caller's order. */

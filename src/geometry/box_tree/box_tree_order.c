@@ -9,7 +9,7 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/box_tree/triangle.h"
 
-/* Returns an unsigned integer with the same order as the float; -0 equals 0. */
+/* Returns the sort key of a float: keys compare as unsigned integers as the floats do, and -0 equals 0. */
 static uint32_t sortable(float v)
 {
     const uint32_t bits = smr_float_bits(v + 0.0f); /* + 0 turns -0 into 0 */
@@ -24,7 +24,7 @@ void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *or
     o->top = 2;
 }
 
-/* Takes the next range from the stack that is larger than a leaf, and pushes its halves. Returns 0 at the end. */
+/* Takes the next range larger than a leaf from the stack, and pushes the range's halves. Returns 0 at the end. */
 static int next_range(smr_order *o)
 {
     while (o->top > 0u) {

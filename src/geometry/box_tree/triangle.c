@@ -15,7 +15,8 @@ static float set(float weight[3], float a, float b, float c, smr_vec to_p)
     return smr_dot(to_p, to_p);
 }
 
-/* Finds the closest point on the three edges. ap = p - a. Returns its squared distance from p. */
+/* Writes the weights of the point on the edges of the triangle a b c that is closest to p. Returns the squared distance
+ * from p to that point, mm^2. ap = p - a; ab = b - a; ac = c - a. */
 static float closest_edge(smr_vec ap, smr_vec ab, smr_vec ac, float weight[3])
 {
     const smr_vec from[3] = {smr_v(0, 0, 0), smr_v(0, 0, 0), ab};

@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/eigen_jacobi.h"
 
-#define SMR_SWEEPS_COLD 6u
+#define SMR_SWEEPS_COLD 6u /* number of Jacobi sweeps that start from the identity */
 
 /* Zeroes the entry pq by a Jacobi rotation in the plane of p and q. pp, qq: the plane's diagonal entries; pr, qr: the
  * other two off-diagonal entries. vp, vq: first entries of the eigenvector columns p and q. */

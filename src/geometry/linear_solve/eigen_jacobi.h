@@ -8,7 +8,7 @@
 /* A symmetric matrix s[6] holds its six upper entries in this order. */
 enum { SMR_XX, SMR_XY, SMR_XZ, SMR_YY, SMR_YZ, SMR_ZZ };
 
-/* Adds w d d^T to s. */
+/* Adds the symmetric matrix w d d^T to the symmetric matrix s. */
 static inline void smr_add_square(float s[6], float w, smr_vec d)
 {
     s[SMR_XX] += w * d.x * d.x;

@@ -8,7 +8,7 @@
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_SWEEPS_WARM 4u
+#define SMR_SWEEPS_WARM 4u     /* number of Jacobi sweeps, which start from the eigenvectors of the last call */
 #define SMR_RANK_FLOOR 1.0e-3f /* singular values below this share of the largest count as 0 */
 
 /* Returns a unit vector perpendicular to the unit vector a, always the same one for the same a. */

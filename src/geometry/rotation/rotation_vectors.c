@@ -66,7 +66,7 @@ void smr_rodrigues(smr_vec w, float m[9])
     m[8] = c * (w.z * w.z - a2);
 }
 
-#define SMR_TERMS 10u
+#define SMR_TERMS 10u /* number of terms of each power series below */
 
 /* Four functions of a^2, and the coefficients of (-a^2)^k, k = 0, 1, ... of each. SINE: sin(a) / a, 1 / (2k + 1)!.
  * COSINE: (1 - cos(a)) / a^2, 1 / (2k + 2)!. CUBIC: (a - sin(a)) / a^3, 1 / (2k + 3)!.

@@ -13,7 +13,7 @@ static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
                  p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
 }
 
-/* Adds to a pose without a translation the translation with which the pose maps `from` onto `to`. */
+/* Sets the translation of the pose *p, 0 so far, so that the pose maps the point `from` onto the point `to`, mm. */
 static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
 {
     const smr_vec shift = smr_sub(to, smr_pose_apply(p, from));
@@ -33,10 +33,10 @@ typedef struct smr_fit {
     float weight;                   /* sum of w */
 } smr_fit;
 
-/* Clears the sums. Origins near the points keep the digits of coordinates far from 0. */
+/* Sets the origins, mm, and clears the sums. Origins near the points keep the digits of coordinates far from 0. */
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
 
-/* Adds one pair of points with weight w > 0. */
+/* Adds the terms of one pair of points, mm, with weight w > 0 to the sums of f. */
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w);
 
 /* Returns the pose that minimises sum w |pose(from) - to|^2; scaled not 0: with the scale sqrt(variance of to /

@@ -21,7 +21,8 @@ smr_status smr_mesh_check(const smr_mesh *mesh);
  * area[n_vertices], unless NULL: a third of the area of the adjacent triangles, mm^2. */
 void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area);
 
-/* Adds the triangles first .. last-1 to the sums in normal and area; smr_mesh_normals() makes normals unit later. */
+/* Adds twice the area vector of each triangle first .. last-1 to normal[] of the triangle's corners; unless area is
+ * NULL, also a third of the triangle's area, mm^2, to area[] of the corners. */
 void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t first, uint32_t last, float *normal,
                           float *area);
 

@@ -75,6 +75,7 @@ static smr_status usable(const smr_points *points)
     return points == NULL ? SMR_E_NULL : smr_points_valid(points) ? SMR_OK : SMR_E_STATE;
 }
 
+/* Returns 1 when coordinates, normals and weights of all n points are legal. */
 static int can_add(const float *xyz, const float *normals, const float *weights, uint32_t n)
 {
     smr_vec unit;

@@ -51,10 +51,10 @@ struct smr_surface {
 
 /* Numbers of components: small open ones, which registration ignores; other small ones together; then one by one. */
 enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
-#define SMR_BODY_PART 250u /* fewer than the numbers of a byte */
+#define SMR_BODY_PART 250u /* a component of more than 1 / this of all triangles gets a number of its own, in a byte */
 
-#define SMR_SURFACE_MAGIC 0x736d7253u
-#define SMR_SURFACE_BUSY 0x736d7262u
+#define SMR_SURFACE_MAGIC 0x736d7253u /* smr_surface.magic of a complete surface */
+#define SMR_SURFACE_BUSY 0x736d7262u  /* smr_surface.magic of a surface that is being built or refitted */
 
 /* Returns 1 for a cloud of points, which has no triangles. */
 static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
@@ -113,7 +113,7 @@ struct smr_points {
     smr_surface surface; /* the first n_vertices slots hold xyz, normal (0: none) and, as area, the weight; origin 0 */
 };
 
-#define SMR_POINTS_MAGIC 0x736d7250u
+#define SMR_POINTS_MAGIC 0x736d7250u /* smr_points.magic of an open cloud */
 #define SMR_WEIGHT_MAX 4.0f /* largest weight of a point, so that the sums of target-to-model forces fit 32 bits */
 
 /* Returns 1 for points opened by smr_points_open(). */

@@ -74,7 +74,7 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
     add_crossing(l, smr_clamp(at, low, high), turn > 0 ? -weight : weight);
 }
 
-/* Adds all crossings of the line with a surface that is moved by `shift`, mm. */
+/* Adds all crossings of the line with surface s, moved by `shift`, mm, to the line's list. weight: 1 for a, 2 for b. */
 static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
 {
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
@@ -124,7 +124,7 @@ static float side_of(const sweep *s, smr_vec p, float most)
     return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
 }
 
-/* Measures triangle k of a, unless its centre is too far from b for any of its points to reach b. */
+/* Adds depth and contact area at three points of triangle k of a to the sweep, unless the triangle is far from b. */
 static void sample_triangle(sweep *s, uint32_t k)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;

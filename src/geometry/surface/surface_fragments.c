@@ -65,7 +65,7 @@ void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
         s->n_fragment = 0;
 }
 
-/* Replaces the border edges of each root by its component's number. */
+/* Writes the number SMR_BODY_... of each root's component to edges(), where the count of border edges was. */
 void smr_bodies_number(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {

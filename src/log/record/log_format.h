@@ -7,10 +7,10 @@
 #include "registration/shape/schedule_state.h"
 
 #define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
-#define SMR_LOG_VERSION 3u
-#define SMR_LOG_FIXED 28u /* bytes of a header before the configuration */
-#define SMR_LOG_FRAME 8u  /* bytes of a record around its content: its head and its checksum */
-#define SMR_LOG_WORDS 12u /* words of the largest content */
+#define SMR_LOG_VERSION 3u        /* version of the logs that this library writes */
+#define SMR_LOG_FIXED 28u         /* bytes of a header before the configuration */
+#define SMR_LOG_FRAME 8u          /* bytes of a record around its content: its head and its checksum */
+#define SMR_LOG_WORDS 12u         /* words of the largest content */
 
 /* Words of the configuration: for each setting a head and its value. */
 enum {

@@ -6,8 +6,8 @@
 #include "base/settings.h"
 #include "log/record/log_format.h"
 
-#define SMR_LOG_WORDS_V1 45u
-#define SMR_LOG_COVERAGE 3u /* the first version with partial targets */
+#define SMR_LOG_WORDS_V1 45u /* words of the configuration in a log of version 1 */
+#define SMR_LOG_COVERAGE 3u  /* the first version with partial targets */
 
 typedef struct log_row {
     uint32_t number, offset, n; /* the setting's number, offset in smr_config, and number of words; 0: not in logs */

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
-/* Number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
+/* Returns the number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
 /* Goal k on a surface that structure i is the first to have. before: goal k - 1, NULL for the first. Components get a
@@ -44,7 +44,7 @@ uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_
     return slots;
 }
 
-/* Number of entries in target_warm that are needed if `structure` had this surface. */
+/* Returns the number of entries in target_warm that all targets need once `structure` has this surface. */
 static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
     uint32_t n_goals, n_tasks;

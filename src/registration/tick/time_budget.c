@@ -8,15 +8,15 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_steps.h"
 
-#define SMR_UNKNOWN (-1.0f)
+#define SMR_UNKNOWN (-1.0f)  /* rate of a step whose cost is not known yet */
 #define SMR_FOREVER 1.0e18f  /* ns: stands for an unknown cost */
 #define SMR_RISE 0.5f        /* weight of a measured cost above the rate in the new rate, a running mean */
 #define SMR_FALL 0.125f      /* weight of a measured cost below the rate: the rate stays near the upper usual costs */
 #define SMR_OUTLIER 0.0625f  /* largest excess of a measured time that counts, as a share of an iteration's time */
 #define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
-#define SMR_MARGIN_MAX 1.5f
-#define SMR_LATE 0.0625f          /* added to the factor on the reserve when an iteration did not end in its tick */
-#define SMR_IN_TIME 0.001f        /* subtracted from that factor when it ended in time: about one in sixty is late */
+#define SMR_MARGIN_MAX 1.5f  /* largest factor on the reserve */
+#define SMR_LATE 0.0625f     /* added to the factor on the reserve when an iteration did not end in its tick */
+#define SMR_IN_TIME 0.001f   /* subtracted from that factor when it ended in time: about one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
 #define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
 #define SMR_FORK_TASKS 64.0f      /* most tasks of a worker in one parallel loop */
@@ -43,8 +43,8 @@ static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
     return (float)s->shared.n + (float)smr_le32(l->block[l->n_blocks].first_index);
 }
 
-/* The rate after a further sample, which counts at most as twice the rate or the rate plus SMR_OUTLIER of an iteration:
- * other processes may have run. */
+/* Returns the running mean `rate`, ns a unit of work, after one more sample. The sample is cut to twice the rate or the
+ * rate plus SMR_OUTLIER of an iteration, whichever is more: other processes may have run. */
 static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)
@@ -76,7 +76,7 @@ void smr_budget_learn(smr *s, uint32_t n_tasks)
         c->count = s->schedule.n_active;
 }
 
-/* Cost of a task of an unknown step, ns: the cost of the most expensive known task. */
+/* Returns the cost, ns, assumed for a task of a step without a known cost: that of the most expensive known task. */
 static float dearest(const smr_time_budget *c)
 {
     float rate = SMR_UNKNOWN;
@@ -86,7 +86,7 @@ static float dearest(const smr_time_budget *c)
     return rate;
 }
 
-/* Cost of the steps from `first` on with `count` active vertices, ns; SMR_FOREVER when unknown. */
+/* Returns the predicted cost, ns, of the steps from `first` on with `count` active vertices; SMR_FOREVER: unknown. */
 static float cost_of(smr *s, uint32_t first, uint32_t count)
 {
     const smr_time_budget *c = &s->budget;
@@ -116,7 +116,7 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
     return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
 }
 
-/* The fewest active vertices that this radius allows. */
+/* Returns the smallest number of active vertices that this radius, or the caller, allows. */
 static uint32_t fewest(const smr *s)
 {
     return s->schedule.n_active_chosen > 0u
