@@ -99,7 +99,6 @@ static const struct {
     {smr_reference_record, SMR_PHASE_SUMS, TARGET_VERTICES, "reference records"},
     {smr_reference_cluster, SMR_PHASE_SUMS, TARGET_VERTICES, "cluster centres"},
     {smr_sums_record, SMR_PHASE_SUMS, TARGET_VERTICES, "displacement records"},
-    {smr_reference_forest, SMR_PHASE_SUMS, TARGET_INDEXES, "forest, sums"},
     {smr_sums_forest, SMR_PHASE_SUMS, TARGET_INDEXES, "forest, sums"},
     {smr_boundary_reference, SMR_PHASE_SUMS, TARGET_VERTICES, "boundary, reference"},
     {smr_boundary_sums, SMR_PHASE_SUMS, TARGET_VERTICES, "boundary, displacements"},

@@ -383,11 +383,10 @@ static void separate_triangles(const smr_contact *c, uint32_t chunk)
     }
 }
 
-void smr_contact_project(void *arg, uint32_t task, uint32_t worker)
+void smr_contact_project(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_contact *c = arg;
     const uint32_t n = triangle_tasks(c), chunk = task % (n + smr_active_tasks(c->schedule));
-    (void)worker;
     if (chunk < n)
         separate_triangles(c, chunk);
     else

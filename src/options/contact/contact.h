@@ -78,9 +78,9 @@ void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* finds the 
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);
 smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx);
 
-/* Step: projects the next positions out of contacts, at the last radius. */
-uint32_t smr_contact_project_tasks(const void *contact);
-void smr_contact_project(void *contact, uint32_t task, uint32_t worker); /* one task after the other: vertices shared */
+/* Step: projects the next positions out of contacts, at the last radius. Tasks run one after the other. */
+smr_count_tasks smr_contact_project_tasks;
+smr_run_task smr_contact_project;
 
 /* ---- volumes ---- */
 
@@ -121,8 +121,8 @@ int smr_volumes_pending(const smr_volumes *v); /* 1: some volume has not reached
 void smr_volumes_commit(smr_volumes *v);       /* called when an iteration is complete: steps towards the ratios */
 
 /* Step: sums over triangles, then positions. Tasks run one after the other. */
-uint32_t smr_volume_tasks(const void *volumes);
-void smr_volume_correct(void *volumes, uint32_t task, uint32_t worker);
+smr_count_tasks smr_volume_tasks;
+smr_run_task smr_volume_correct;
 
 /* ---- smoothing on the surface, an internal force (paper 2.3, other forces) ---- */
 
@@ -140,8 +140,8 @@ void smr_smooth_rest(smr_smooth *s);  /* computes the heights; positions are tho
 void smr_smooth_start(smr_smooth *s); /* for a new start or restored positions: sets `side` */
 
 /* Step: sums over mesh neighbours. Tasks run one after the other. */
-uint32_t smr_smooth_tasks(const void *smooth);
-void smr_smooth_sum(void *smooth, uint32_t task, uint32_t worker);
+smr_count_tasks smr_smooth_tasks;
+smr_run_task smr_smooth_sum;
 
 /* Returns the mean of the displacement of v to its goal and its smoothing displacement, mm, when the step has run. */
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement);

@@ -20,11 +20,10 @@ uint32_t smr_smooth_tasks(const void *arg)
     return s->height != NULL && s->schedule->repairing == 0u ? s->shared->n_tasks + ring_tasks(s) : 0u;
 }
 
-void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
+void smr_smooth_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_smooth *s = arg;
     const uint32_t n = s->shared->n_tasks;
-    (void)worker;
     if (task < n) {
         const size_t first = task * SMR_CHUNK, count = smr_chunk_end(s->shared, task) - first;
         memset(s->rings.sum + 3u * first, 0, 3u * count * sizeof(float));

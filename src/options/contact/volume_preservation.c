@@ -130,11 +130,10 @@ static void choose_displacements(smr_volumes *v)
     }
 }
 
-void smr_volume_correct(void *arg, uint32_t task, uint32_t worker)
+void smr_volume_correct(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_volumes *v = arg;
     const uint32_t n = sum_tasks(v), first = task * SMR_TRIANGLE_CHUNK;
-    (void)worker;
     if (task < n)
         sum_piece(v, first, smr_min_u32(first + SMR_TRIANGLE_CHUNK, v->shared->n_triangles));
     if (task == n)

@@ -174,20 +174,18 @@ void smr_time_steps_begin(smr *s)
 uint32_t smr_sweep_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
 
 /* Sets the positions at which a sweep starts: y in the first sweep of a time step, x in the others. */
-void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
+void smr_sweep_begin(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr *s = arg;
     const int first = s->schedule.iteration % SMR_SWEEPS == 0u;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++)
         smr_put3(s->shape.from, v, first ? smr_dynamics_free(s->shape.dynamics, v) : smr_get3(s->shape.x, v));
 }
 
 /* Moves vertices by the springs to their average, which evolve has left in x_next, and to their goals. */
-void smr_sweep_end(void *arg, uint32_t task, uint32_t worker)
+void smr_sweep_end(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr *s = arg;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
         float *const x_next = smr_at3(s->shape.x_next, v);
         const int drawn = s->forces.found_last[v] == SMR_FOUND_GOAL;

@@ -124,13 +124,12 @@ static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
 
 /* Steps: smr_sweep_begin sets the positions at which a sweep starts, before forces; smr_sweep_end moves vertices from
  * their average goals to the sweep's result. */
-uint32_t smr_sweep_tasks(const void *s);
-void smr_sweep_begin(void *s, uint32_t task, uint32_t worker);
-void smr_sweep_end(void *s, uint32_t task, uint32_t worker);
+smr_count_tasks smr_sweep_tasks;
+smr_run_task smr_sweep_begin, smr_sweep_end;
 
-/* Step at the end of an iteration that ends a time step: sums energies, one task after the other. */
-uint32_t smr_step_energy_tasks(const void *s); /* 0 in iterations that do not end a time step */
-void smr_step_energy(void *s, uint32_t task, uint32_t worker);
+/* Step in iterations that end a time step: sums energies. Tasks run one after the other. */
+smr_count_tasks smr_step_energy_tasks;
+smr_run_task smr_step_energy;
 void smr_step_velocities(smr *s); /* called when the time step is complete: computes velocities; `begin` becomes x */
 
 #endif

@@ -160,12 +160,11 @@ static void add_sums(smr_step_sums *to, const smr_step_sums *part)
         to->energy[i] += 0.001f * part->energy[i]; /* converts nJ to uJ */
 }
 
-void smr_step_energy(void *arg, uint32_t task, uint32_t worker)
+void smr_step_energy(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr *s = arg;
     smr_dynamics *d = s->shape.dynamics;
     const uint32_t pass = task / s->shape.track_rest->n_tasks;
-    (void)worker;
     if (task % s->shape.track_rest->n_tasks == 0u) {
         d->structure = d->vertex = 0;
         if (pass == MEANS)

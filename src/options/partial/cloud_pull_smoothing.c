@@ -92,11 +92,10 @@ static void end_round(smr_point_spread *p)
     p->n_reached = 0;
 }
 
-void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
+void smr_point_spread_run(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_point_spread *p = arg;
     const uint32_t n = p->shared->n_tasks, of_triangles = round_tasks(p) - n;
-    (void)worker;
     if (task == 0u) {
         p->rounds = 1;
         p->n_reached = 0;

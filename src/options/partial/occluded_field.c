@@ -193,11 +193,10 @@ uint32_t smr_occluded_field_tasks(const void *arg)
     return f->goals->partial || counts(f) ? 2u * looks(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 2u : 0u;
 }
 
-void smr_occluded_field_solve(void *arg, uint32_t task, uint32_t worker)
+void smr_occluded_field_solve(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_occluded_field *f = arg;
     const uint32_t first = looks(f), tries = 2u * first, then = tries + SMR_FIELD_TRIES * SMR_TRY_TASKS;
-    (void)worker;
     if (task < first)
         count_visible(f, task);
     else if (task < tries)

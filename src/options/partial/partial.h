@@ -55,8 +55,8 @@ typedef struct smr_point_spread {
 int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement);
 
 /* Step: smooths the pulls. Skipped without a cloud. Tasks run one after the other. */
-uint32_t smr_point_spread_tasks(const void *spread);
-void smr_point_spread_run(void *spread, uint32_t task, uint32_t worker);
+smr_count_tasks smr_point_spread_tasks;
+smr_run_task smr_point_spread_run;
 
 /* ---- landmarks ---- */
 
@@ -210,8 +210,8 @@ static inline int smr_field_of_rest(const smr_occluded_field *f, uint32_t v)
 }
 
 /* Step: chooses controls and solves the field. Skipped when no vertex is occluded. Tasks run one after the other. */
-uint32_t smr_occluded_field_tasks(const void *field);
-void smr_occluded_field_solve(void *field, uint32_t task, uint32_t worker);
+smr_count_tasks smr_occluded_field_tasks;
+smr_run_task smr_occluded_field_solve;
 
 /* The displacement from vertex v to the position that the field gives to v, mm. */
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);

@@ -26,13 +26,12 @@ static inline smr_vec average_displacement(int logs, const uint32_t *w, const fl
 
 uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->shared->n_tasks; }
 
-void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
+void smr_evolve_step(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_evolve *e = arg;
     const smr_shape shape = *e->shape;
     uint32_t *const sum = e->sums->sum;
     const float *const share = e->reference->share, relaxation = e->shared->config.motion.relaxation;
-    (void)worker;
     const float inverse[2] = {1.0f / e->sums->scale[0], 1.0f / e->sums->scale[1]};
     const uint32_t last = smr_chunk_end(e->shared, task);
     const int logs = smr_blends_logs(e->shared);
@@ -64,7 +63,7 @@ uint64_t smr_hash_positions(const float *xyz, uint32_t n)
     return hash;
 }
 
-void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
+void smr_evolve_measure(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
@@ -72,7 +71,6 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
     const int by_mean = e->shared->config.motion.plastic_by == SMR_PLASTIC_MEAN;
     float moved2 = 0.0f, sum = 0.0f;
     uint64_t hash = 0;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec moved = smr_sub(smr_get3(x_next, v), smr_get3(x, v));
         moved2 = smr_max(moved2, smr_dot(moved, moved));

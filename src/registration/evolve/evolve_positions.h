@@ -35,19 +35,17 @@ typedef struct smr_evolve {
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
 void smr_evolve_reset(smr_evolve *e); /* clears `limited` when an iteration is abandoned */
 
-uint32_t smr_evolve_tasks(const void *evolve);
-void smr_evolve_step(void *evolve, uint32_t task, uint32_t worker);    /* writes x_next and next normals */
-void smr_evolve_measure(void *evolve, uint32_t task, uint32_t worker); /* displacements and hash of x_next */
+/* Steps: x_next and next normals; displacements and hash of x_next. */
+smr_count_tasks smr_evolve_tasks;
+smr_run_task smr_evolve_step, smr_evolve_measure;
 void smr_evolve_measure_end(smr_evolve *e);
 uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* xyz: [n][3] */
 
-/* Tangential smoothing, at the last radius. */
+/* Tangential smoothing, at the last radius. Steps: clear sums; sum over mesh neighbours, one task after the other. */
 void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the coming iteration */
-uint32_t smr_tangent_tasks(const void *tangent_smooth);
-void smr_tangent_clear(void *tangent_smooth, uint32_t task, uint32_t worker);
-uint32_t smr_tangent_sum_tasks(const void *tangent_smooth);
-void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* sums over neighbours, task after task */
-smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);  /* of v, mm; valid until the fold steps */
+smr_count_tasks smr_tangent_tasks, smr_tangent_sum_tasks;
+smr_run_task smr_tangent_clear, smr_tangent_sum;
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* of v, mm; valid until the fold steps */
 
 /* Notes that a fold step removed this share of the step of vertex v. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
@@ -56,11 +54,9 @@ static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float sh
         e->limited[v] = (uint8_t)smr_max_u32(e->limited[v], (uint32_t)(share * SMR_LIMITED_FULL + 0.5f));
 }
 
-/* Step: vertex normals from triangles, in iterations with normals_due; 0 tasks in others. */
-uint32_t smr_exact_normals_tasks(const void *evolve);
-void smr_exact_normals_clear(void *evolve, uint32_t task, uint32_t worker);
-uint32_t smr_exact_normals_sum_tasks(const void *evolve);
-void smr_exact_normals_sum(void *evolve, uint32_t task, uint32_t worker); /* sums over triangles, task after task */
-void smr_exact_normals_unit(void *evolve, uint32_t task, uint32_t worker);
+/* Steps: vertex normals from triangles, in iterations with normals_due; 0 tasks in others. The sums over triangles run
+ * one task after the other. */
+smr_count_tasks smr_exact_normals_tasks, smr_exact_normals_sum_tasks;
+smr_run_task smr_exact_normals_clear, smr_exact_normals_sum, smr_exact_normals_unit;
 
 #endif

@@ -18,23 +18,21 @@ uint32_t smr_exact_normals_sum_tasks(const void *arg)
     return e->normals_due ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
 }
 
-void smr_exact_normals_clear(void *arg, uint32_t task, uint32_t worker)
+void smr_exact_normals_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_evolve *e = arg;
     uint32_t *const sum = e->sums->sum;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
         smr_next_normal_set(sum, v, smr_v(0, 0, 0));
 }
 
 /* Triangles share vertices, so tasks run one after the other. */
-void smr_exact_normals_sum(void *arg, uint32_t task, uint32_t worker)
+void smr_exact_normals_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_evolve *e = arg;
     float *const x = e->shape->x_next;
     uint32_t *const sum = e->sums->sum;
     const uint32_t *const triangle = e->shared->triangle;
-    (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
         const uint32_t *t = triangle + 3u * (size_t)k;
@@ -44,11 +42,10 @@ void smr_exact_normals_sum(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-void smr_exact_normals_unit(void *arg, uint32_t task, uint32_t worker)
+void smr_exact_normals_unit(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_evolve *e = arg;
     uint32_t *const sum = e->sums->sum;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
         smr_next_normal_set(sum, v, smr_unit(smr_next_normal(sum, v)));
 }

@@ -29,7 +29,7 @@ uint32_t smr_tangent_sum_tasks(const void *arg)
     return e->share > 0.0f ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
 }
 
-void smr_tangent_clear(void *arg, uint32_t task, uint32_t worker)
+void smr_tangent_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_tangent_smooth *e = arg;
     const smr_shared *shared = e->shared;
@@ -38,7 +38,6 @@ void smr_tangent_clear(void *arg, uint32_t task, uint32_t worker)
     float *const x = e->shape->x;
     const int first = e->schedule->radius_iteration == 0u;
     const uint32_t last = smr_chunk_end(shared, task);
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         if (first)
             e->limited[v] = 0;
@@ -50,10 +49,9 @@ void smr_tangent_clear(void *arg, uint32_t task, uint32_t worker)
 }
 
 /* Sums the displacements of mesh neighbours. Triangles share vertices, so tasks run one after the other. */
-void smr_tangent_sum(void *arg, uint32_t task, uint32_t worker)
+void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_tangent_smooth *e = arg;
-    (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++)
         smr_ring_add(&e->rings, e->shared->triangle + 3u * (size_t)k, e->rings.displacement);

@@ -33,10 +33,9 @@ uint32_t smr_fold_find_tasks(const void *arg)
 }
 
 /* Counts the dihedral edges of a chunk that fold or must be limited, by the triangles' normals at x_next. */
-void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_find(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
-    (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_DIHEDRAL_CHUNK, f->shared->n_dihedrals);
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const float *const normal = f->shape->triangle_normal;

@@ -196,7 +196,7 @@ void smr_fold_limit_start(smr_folds *f)
 
 uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->limit.pass); }
 
-void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_limit_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_pass *pass = &f->limit.pass;
@@ -205,7 +205,6 @@ void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
                                                           : SMR_OVER_TRIANGLES;
     const uint32_t chunk = over == SMR_OVER_DIHEDRALS ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
-    (void)task, (void)worker;
     if (over == SMR_OVER_DIHEDRALS)
         look(f, piece.from, piece.to);
     else if (over == SMR_OVER_TRIANGLES)

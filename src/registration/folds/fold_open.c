@@ -112,11 +112,10 @@ static void open_chunk(smr_folds *f, uint32_t chunk)
 }
 
 /* Step: opens the folds of one chunk. The next pass needs the positions of this pass. */
-void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_open_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_open *o = &f->open;
-    (void)task, (void)worker;
     open_chunk(f, o->chunk);
     o->n_done++;
     if (++o->chunk < smr_ceil_div(f->shared->n_dihedrals, SMR_OPEN_CHUNK))

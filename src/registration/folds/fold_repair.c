@@ -157,7 +157,7 @@ void smr_fold_repair_start(smr_folds *f)
 
 uint32_t smr_fold_repair_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->repair.pass); }
 
-void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_repair_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_pass *pass = &f->repair.pass;
@@ -165,7 +165,6 @@ void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
                           : pass->stage == SMR_REPAIR_MOVE ? SMR_OVER_VERTICES
                                                            : SMR_OVER_TRIANGLES;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);
-    (void)task, (void)worker;
     switch (pass->stage) {
     case SMR_REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
     case SMR_REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;

@@ -73,17 +73,13 @@ void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
 void smr_folds_reset(smr_folds *f); /* clears the passes when an iteration is complete or abandoned */
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* 1: folds are searched for at this radius */
 
-uint32_t smr_fold_find_tasks(const void *folds);
-void smr_fold_find(void *folds, uint32_t task, uint32_t worker);
+smr_count_tasks smr_fold_find_tasks;
+smr_run_task smr_fold_find;
 void smr_fold_find_end(smr_folds *f); /* starts the steps below that are needed */
 
 /* Steps; their tasks run one after the other. While work is left, a step has one task more than it has completed. */
-uint32_t smr_fold_repair_tasks(const void *folds);
-void smr_fold_repair_pass(void *folds, uint32_t task, uint32_t worker);
-uint32_t smr_fold_limit_tasks(const void *folds);
-void smr_fold_limit_pass(void *folds, uint32_t task, uint32_t worker);
-uint32_t smr_fold_open_tasks(const void *folds);
-void smr_fold_open_pass(void *folds, uint32_t task, uint32_t worker);
+smr_count_tasks smr_fold_repair_tasks, smr_fold_limit_tasks, smr_fold_open_tasks;
+smr_run_task smr_fold_repair_pass, smr_fold_limit_pass, smr_fold_open_pass;
 void smr_folds_moved(smr_folds *f); /* called after each of the three steps: counts marked vertices */
 void smr_fold_repair_start(smr_folds *f);
 void smr_fold_limit_start(smr_folds *f);

@@ -50,10 +50,9 @@ static inline uint32_t smr_caller_tasks(const void *goals)
     return g->force != NULL ? smr_ceil_div(g->schedule->n_active, SMR_CALLER_CHUNK) : 0u;
 }
 
-static inline void smr_caller_step(void *goals, uint32_t task, uint32_t worker)
+static inline void smr_caller_step(void *goals, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_caller_goals *g = goals;
-    (void)worker;
     g->calls->ask(g, task);
 }
 

@@ -59,10 +59,9 @@ uint32_t smr_forces_tasks(const void *arg)
     return smr_ceil_div(f->schedule->n_active, smr_force_chunk(f));
 }
 
-void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
+void smr_forces_search(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_forces *f = arg;
-    (void)worker;
     const uint32_t n_active = f->schedule->n_active, chunk = smr_force_chunk(f);
     const uint32_t last = smr_min_u32((task + 1u) * chunk, n_active);
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
@@ -93,10 +92,9 @@ static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *ta
 uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
 
 /* Turns displacements into forces. The number of active vertices is final from here on. */
-void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
+void smr_forces_take(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_forces *f = arg;
-    (void)worker;
     smr_tally *tally = &f->tally[task];
     const float stiffness = f->schedule->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->schedule->gain;
     const int apart = smr_contact_on(&f->contact), smooth = SMR_HAS_CONTACT && smr_smooth_tasks(&f->smooth) > 0u;
@@ -137,10 +135,9 @@ uint32_t smr_contact_tasks(const void *arg)
            (f->contact.triangles_due ? smr_ceil_div(f->shared->n_triangles, SMR_CONTACT_CHUNK) : 0u);
 }
 
-void smr_contact_search(void *arg, uint32_t task, uint32_t worker)
+void smr_contact_search(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_forces *f = arg;
-    (void)worker;
     const uint32_t n_tasks = smr_ceil_div(f->schedule->n_active, SMR_CONTACT_CHUNK);
     if (task >= n_tasks) {
         const uint32_t first = (task - n_tasks) * SMR_CONTACT_CHUNK;

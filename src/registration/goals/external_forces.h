@@ -47,14 +47,12 @@ void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outda
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
-uint32_t smr_forces_tasks(const void *forces);
-void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* step: displacements to goals */
 /* Factor on the force of v, 0..1. At the end it falls for vertices with image goals, except near hard landmarks. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
-uint32_t smr_contact_tasks(const void *forces);
-void smr_contact_search(void *forces, uint32_t task, uint32_t worker); /* step: contacts and their displacements */
-uint32_t smr_forces_take_tasks(const void *forces);
-void smr_forces_take(void *forces, uint32_t task, uint32_t worker); /* step: turns displacements into forces */
+
+/* Steps: displacements to goals; contacts, and the displacements that end penetration; forces from displacements. */
+smr_count_tasks smr_forces_tasks, smr_contact_tasks, smr_forces_take_tasks;
+smr_run_task smr_forces_search, smr_contact_search, smr_forces_take;
 void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results that the next forces start from */
 
 /* Momentum, mm: a share of the last iteration's displacement (Polyak 1964). Valid until evolve overwrites x_next, which

@@ -48,15 +48,10 @@ static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 }
 
 /* Pairs share vertices, so tasks run one after the other. */
-void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
-{
-    (void)worker;
-    add_pairs(arg, NULL, task);
-}
+void smr_boundary_sums(void *arg, uint32_t task, SMR_UNUSED uint32_t worker) { add_pairs(arg, NULL, task); }
 
-void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker)
+void smr_boundary_reference(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    (void)worker;
     add_pairs(((smr_reference *)arg)->sums, arg, task);
 }
 

@@ -54,15 +54,14 @@ typedef struct smr_match {
 /* Sets the number of words of the next sums, and their scales. largest: bounds on the two kinds of summed values. */
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
 uint32_t smr_method_words(const smr_shared *c); /* number of words of a displacement's record */
-uint32_t smr_sums_record_tasks(const void *sums);
-void smr_sums_record(void *sums, uint32_t task, uint32_t worker);
-uint32_t smr_block_tasks(const void *sums); /* a task sums along the order L: a block, or a piece of a block */
-uint32_t smr_block_abreast(const void *sums);
-void smr_block_pieces(void *sums, int cut);
-void smr_sums_forest(void *sums, uint32_t task, uint32_t worker);
-uint32_t smr_boundary_tasks(const void *sums); /* tasks that add fractional weights at cluster boundaries to the sums */
-void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker); /* to sums of records; one task after the other */
-void smr_sums_at_once(smr_sums *s); /* sums the records over all clusters, between iterations */
+void smr_sums_at_once(smr_sums *s);             /* sums the records over all clusters, between iterations */
+
+/* Steps with a smr_sums: records of displacements; sums along the order L, a task a block or a piece of a block, for
+ * moments, too; fractional weights of vertices near cluster boundaries, one task after the other. */
+smr_count_tasks smr_sums_record_tasks, smr_block_tasks, smr_boundary_tasks;
+smr_run_task smr_sums_record, smr_sums_forest, smr_boundary_sums;
+void smr_block_pieces(void *sums, int cut); /* sets smr_sums.pieces; cut 1: blocks may be cut into pieces */
+smr_count_tasks smr_block_abreast;          /* number of pieces that do not need each other's sums */
 
 /* value / SMR_BOUNDARY_UNITS, rounded to nearest, for values within +-2^62. Its time does not depend on the sign. */
 static inline uint32_t smr_boundary_part(int64_t value)
@@ -72,22 +71,15 @@ static inline uint32_t smr_boundary_part(int64_t value)
            (uint32_t)(up / SMR_BOUNDARY_UNITS);
 }
 
-/* Reference: steps that run only where smr_reference_due(). */
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared);
-uint32_t smr_reference_tasks(const void *reference);
-void smr_reference_reach(void *reference, uint32_t task, uint32_t worker);
 void smr_reference_begin(smr_reference *r); /* chooses `coarse` and `fine`, the steps to which x^r is rounded */
-uint32_t smr_reference_record_tasks(const void *reference);
-void smr_reference_record(void *reference, uint32_t task, uint32_t worker);
-uint32_t smr_reference_block_tasks(const void *reference);
-uint32_t smr_reference_block_abreast(const void *reference);
-void smr_reference_block_pieces(void *reference, int cut);
-void smr_reference_forest(void *reference, uint32_t task, uint32_t worker);
-uint32_t smr_reference_boundary_tasks(const void *reference);
-void smr_boundary_reference(void *reference, uint32_t task, uint32_t worker); /* to moments; one task after the other */
-uint32_t smr_reference_cluster_tasks(const void *reference);
-void smr_reference_cluster(void *reference, uint32_t task, uint32_t worker);
-void smr_reference_end(smr_reference *r);
+void smr_reference_end(smr_reference *r);   /* marks the reference as current */
+
+/* Steps that run only where smr_reference_due(): distances of x^r from the posed rest shape; records of moments of x^r;
+ * moments of vertices near cluster boundaries, one task after the other; centre, mass and spread of each cluster. */
+smr_count_tasks smr_reference_tasks, smr_reference_record_tasks, smr_reference_boundary_tasks;
+smr_count_tasks smr_reference_cluster_tasks;
+smr_run_task smr_reference_reach, smr_reference_record, smr_boundary_reference, smr_reference_cluster;
 
 /* Returns 1 when the reference is recomputed in this iteration. */
 static inline int smr_reference_due(const smr_reference *r) { return r->stale != 0u || r->missing != 0u; }
@@ -95,14 +87,13 @@ static inline int smr_reference_due(const smr_reference *r) { return r->stale !=
 /* Adds share / SMR_BOUNDARY_UNITS of the moments of vertex `from` to the sums of the cluster of vertex `to`. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share);
 
-/* Match: transforms of clusters, and their records for averaging. */
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
 void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
-uint32_t smr_match_cluster_tasks(const void *match);
-void smr_match_clusters(void *match, uint32_t task, uint32_t worker);
-void smr_match_end(smr_match *m); /* computes m->largest from the results of the tasks */
-uint32_t smr_average_tasks(const void *match);
-void smr_average_record(void *match, uint32_t task, uint32_t worker);
+void smr_match_end(smr_match *m);   /* computes m->largest from the results of the tasks */
+
+/* Steps with a smr_match: transforms of clusters; their records for averaging. */
+smr_count_tasks smr_match_cluster_tasks, smr_average_tasks;
+smr_run_task smr_match_clusters, smr_average_record;
 
 static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.motion.fusing == SMR_FUSING_LIE; }
 

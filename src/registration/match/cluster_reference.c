@@ -27,25 +27,16 @@ void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shar
 
 uint32_t smr_reference_tasks(const void *arg) { return ((const smr_reference *)arg)->shared->n_tasks; }
 uint32_t smr_reference_record_tasks(const void *arg) { return smr_match_tasks(((const smr_reference *)arg)->schedule); }
-uint32_t smr_reference_block_tasks(const void *arg) { return smr_block_tasks(((const smr_reference *)arg)->sums); }
-uint32_t smr_reference_block_abreast(const void *arg) { return smr_block_abreast(((const smr_reference *)arg)->sums); }
-void smr_reference_block_pieces(void *arg, int cut) { smr_block_pieces(((smr_reference *)arg)->sums, cut); }
 
-uint32_t smr_reference_cluster_tasks(const void *arg)
+uint32_t smr_reference_cluster_tasks(const void *r)
 {
-    return smr_ceil_div(((const smr_reference *)arg)->shared->n, SMR_MATCH_CHUNK);
-}
-
-void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
-{
-    smr_sums_forest(((smr_reference *)arg)->sums, task, worker);
+    return smr_ceil_div(((const smr_reference *)r)->shared->n, SMR_MATCH_CHUNK);
 }
 
 /* Computes the largest squared distance of x^r from the rest shape in its pose in a chunk, mm^2. */
-void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
+void smr_reference_reach(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_reference *r = arg;
-    (void)worker;
     float off2 = 0.0f;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
         const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v));
@@ -167,10 +158,9 @@ static void record_steps(const smr_reference *r, uint32_t v, uint32_t m, uint32_
     }
 }
 
-void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
+void smr_reference_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_reference *r = arg;
-    (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->schedule->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         uint32_t *w = r->sums->record + SMR_WORDS * (size_t)v;
@@ -225,10 +215,9 @@ static void invert_inertia(const float c[6], float out[6])
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 
-void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
+void smr_reference_cluster(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_reference *r = arg;
-    (void)worker;
     const float k = r->coarse, unit = 1.0f / r->shared->mass_unit;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->shared->n);
     uint32_t origin[3];

@@ -40,10 +40,9 @@ uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((cons
 
 /* Writes records of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9
  * words). */
-void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
+void smr_sums_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_sums *s = arg;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s->schedule, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const smr_vec ref = smr_get3(s->forces->shape->x_ref, v);
@@ -141,10 +140,9 @@ static uint32_t chain(const smr_sums *s, piece p)
     return narrow ? chain16(l, p, active, record, s->sum, 4u) : chain32(l, p, active, record, s->sum, 4u);
 }
 
-void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
+void smr_sums_forest(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_sums *s = arg;
-    (void)worker;
     const smr_lists *l = &s->schedule->lists;
     const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % l->n_blocks, i = task / l->n_blocks;
     const smr_stored_block *b = &l->block[block];

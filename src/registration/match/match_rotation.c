@@ -82,10 +82,9 @@ static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w
 
 uint32_t smr_match_cluster_tasks(const void *arg) { return smr_match_tasks(((const smr_match *)arg)->schedule); }
 
-void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
+void smr_match_clusters(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_match *m = arg;
-    (void)worker;
     const uint32_t *const sum = m->sums->sum, words = smr_transform_words(m->shared), first = words - 3u;
     const int logs = smr_blends_logs(m->shared);
     const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];

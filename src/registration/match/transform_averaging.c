@@ -7,11 +7,10 @@
 
 uint32_t smr_average_tasks(const void *arg) { return smr_active_tasks(((const smr_match *)arg)->schedule); }
 
-void smr_average_record(void *arg, uint32_t task, uint32_t worker)
+void smr_average_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_match *m = arg;
     const uint32_t words = smr_transform_words(m->shared), first = words - 3u;
-    (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(m->schedule, task); v++) {
         uint32_t *r = m->sums->record + SMR_WORDS * (size_t)v;
         const float *t = m->transform + 12u * (size_t)v;

@@ -61,10 +61,9 @@ uint32_t smr_triangles_tasks(const void *arg)
     return smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->tree), SMR_LEAVES);
 }
 
-void smr_triangles_refit(void *arg, uint32_t task, uint32_t worker)
+void smr_triangles_refit(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_shape *shape = arg;
-    (void)worker;
     const uint32_t from = task * SMR_LEAVES, to = from + SMR_LEAVES;
     for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
         const smr_shape_structure *one = &shape->structure[i];
@@ -109,10 +108,9 @@ uint32_t smr_rest_pose_tasks(const void *arg)
     return shape->rest_pose_due ? smr_ceil_div(shape->shared->n, SMR_MATCH_CHUNK) : 0u;
 }
 
-void smr_rest_pose_sum(void *arg, uint32_t task, uint32_t worker)
+void smr_rest_pose_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_shape *shape = arg;
-    (void)worker;
     add_to_fit(shape, task * SMR_MATCH_CHUNK, smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, shape->shared->n));
 }
 

@@ -69,13 +69,13 @@ void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees 
 /* Moving triangles: their normals, and box trees where a stage needs them. */
 void smr_triangles_follow(smr_shape *shape, const float *xyz); /* the triangles read these positions from now on */
 void smr_triangles_now(smr_shape *shape);                      /* updates all normals and boxes at x */
-uint32_t smr_triangles_tasks(const void *shape);
-void smr_triangles_refit(void *shape, uint32_t task, uint32_t worker);
+smr_count_tasks smr_triangles_tasks;
+smr_run_task smr_triangles_refit;
 void smr_triangles_end(smr_shape *shape);
 
 /* Step: fits rest_pose where rest_pose_due is 1. Tasks run one after the other. */
-uint32_t smr_rest_pose_tasks(const void *shape);
-void smr_rest_pose_sum(void *shape, uint32_t task, uint32_t worker);
+smr_count_tasks smr_rest_pose_tasks;
+smr_run_task smr_rest_pose_sum;
 void smr_rest_pose_end(smr_shape *shape);
 void smr_rest_pose_now(smr_shape *shape); /* fits rest_pose at once, without steps */
 
@@ -85,8 +85,8 @@ void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *sha
 void smr_track_rest_wire(smr_shape *shape);   /* counts tasks, once the structures are known */
 void smr_track_rest_derive(smr_shape *shape); /* computes the box around track_rest_x */
 void smr_track_rest_start(smr_shape *shape);  /* x becomes tracking's rest shape */
-uint32_t smr_track_rest_sum_tasks(const void *shape);
-void smr_track_rest_sum(void *shape, uint32_t task, uint32_t worker); /* sums for the poses; one task after the other */
+smr_count_tasks smr_track_rest_sum_tasks;
+smr_run_task smr_track_rest_sum; /* sums for the poses; one task after the other */
 void smr_track_rest_sum_end(smr_shape *shape);
 void smr_track_rest_commit(smr_shape *shape);     /* called when the iteration is complete: x^r follows */
 void smr_track_rest_keep_image(smr_shape *shape); /* image_x = x, when the tracked image becomes outdated */

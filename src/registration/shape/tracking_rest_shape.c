@@ -74,11 +74,10 @@ uint32_t smr_track_rest_sum_tasks(const void *arg)
 static void begin(smr_fit *fit) { smr_fit_start(fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
 
 /* Adds a chunk of vertices of one structure to the fits, in the caller's order. */
-void smr_track_rest_sum(void *arg, uint32_t task, uint32_t worker)
+void smr_track_rest_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_shape *shape = arg;
     smr_track_rest *h = shape->track_rest;
-    (void)worker;
     if (task == 0u) {
         h->structure = h->vertex = 0;
         begin(&h->one);

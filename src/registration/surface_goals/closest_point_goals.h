@@ -128,8 +128,8 @@ static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *ta
 }
 
 /* Target-to-model attraction: the search of target vertices. */
-uint32_t smr_attract_tasks(const void *goals);
-void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
+smr_count_tasks smr_attract_tasks;
+smr_run_task smr_attract_search;
 
 /* The area of a target vertex over the mean, at most 16; a point's weight. */
 static inline float smr_target_area(const smr_surface *s, uint32_t j)
@@ -153,8 +153,8 @@ static inline const smr_goal *smr_goal_of(const smr_surface_goals *g, uint32_t s
 /* Weights of the components of a structure's target, of which those with 0 hold no goal; NULL: all may. */
 const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure);
 /* Step: scale and inliers of each target, from the residuals; tasks run one after the other. */
-uint32_t smr_outlier_tasks(const void *goals);
-void smr_outlier_sum(void *goals, uint32_t task, uint32_t worker);
+smr_count_tasks smr_outlier_tasks;
+smr_run_task smr_outlier_sum;
 /* Mean over the targets that pull of the median residual of what the model can cover, in the last complete forces, mm;
  * 0 without such a target. */
 float smr_residual_typical(const smr_surface_goals *g);

@@ -186,11 +186,10 @@ static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t ch
     }
 }
 
-void smr_outlier_sum(void *arg, uint32_t task, uint32_t worker)
+void smr_outlier_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_surface_goals *g = arg;
     smr_goal *goal = g->goal;
-    (void)worker;
     for (; task >= goal_tasks(g, goal); goal++)
         task -= goal_tasks(g, goal);
     const uint32_t n_area = area_tasks(g, goal), n = pass_tasks(g, goal);

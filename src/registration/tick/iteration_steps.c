@@ -69,12 +69,11 @@ void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
 static uint32_t one_task(const void *stage) { return (void)stage, 1u; }
 
 /* Exchanges x and x_next, and makes all results of the iteration current. */
-void smr_commit(void *arg, uint32_t task, uint32_t worker)
+void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr *s = arg;
     smr_shape *shape = &s->shape;
     float *before = shape->x;
-    (void)task, (void)worker;
     shape->x = shape->x_next;
     shape->x_next = before;
     for (uint32_t v = 0; v < s->shared.n; v++)
@@ -141,8 +140,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
     SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
     SMR_STEP(REFERENCE, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
-    SMR_CHAIN_STEP(REFERENCE, SUMS, LISTS, reference, smr_reference_block_tasks, smr_reference_forest,
-                   smr_reference_block_pieces, smr_reference_block_abreast),
+    SMR_CHAIN_STEP(REFERENCE, SUMS, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
     SMR_SERIAL_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
     SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */

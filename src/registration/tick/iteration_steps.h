@@ -32,12 +32,11 @@ typedef struct smr_step {
     uint16_t phase;       /* SMR_PHASE_... */
     uint16_t work, order; /* SMR_WORK_...; SMR_ANY_ORDER or SMR_SERIAL */
     uint32_t stage;       /* offset of the stage's struct in the registration, bytes */
-    uint32_t (*n_tasks)(const void *stage);
+    smr_count_tasks *n_tasks;
     smr_task run;
     void (*end)(smr *s);
     void (*pieces)(void *stage, int cut); /* called before the first task; cut 1: cuts tasks into pieces. NULL: never */
-    /* number of pieces that are independent; the next pieces need their results. NULL: all are */
-    uint32_t (*abreast)(const void *stage);
+    smr_count_tasks *abreast; /* number of pieces that are independent; the next ones need their results. NULL: all */
 } smr_step;
 
 extern const smr_step smr_steps[];
@@ -59,8 +58,8 @@ static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
     return due && smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
 }
 
-void smr_refit_again(void *s, uint32_t task, uint32_t worker); /* step: updates triangles after fold steps */
-void smr_commit(void *s, uint32_t task, uint32_t worker);      /* last step: makes new positions current */
+smr_run_task smr_refit_again;                /* step: updates triangles after fold steps */
+smr_run_task smr_commit;                     /* last step: makes new positions current */
 int smr_forces_pending(const smr *s);        /* 1: the forces of the current iteration are not yet complete */
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
