@@ -8,10 +8,10 @@
 #define SMR_CARRY_COARSE 600u /* most vertices of the thinnest selection */
 #define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
 #define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance of two points */
-#define SMR_CARRY_NOISE                                                                                                \
-    3.0e-4f /* noise variance factor; the variance is a quarter of it half-way to the farthest vertex */
+#define SMR_CARRY_NOISE 3.0e-4f   /* four times the noise variance of a vertex half-way to the farthest vertex */
 #define SMR_CARRY_END 1.0e-6f /* added to a divisor that is 0 at the selection's end: a share of the range, squared */
 
+/* Sets a selection of every stride-th of n vertices. Returns the number of nodes of the selection's tree. */
 static uint32_t shape_one(smr_carry_thin *t, uint32_t n, uint32_t first, uint32_t stride, uint32_t take)
 {
     *t = (smr_carry_thin){.first = first, .stride = stride, .n = smr_ceil_div(n - first, stride), .take = take};

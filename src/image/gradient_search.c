@@ -9,11 +9,8 @@
 #define SMR_EDGE_MIN 0.08f /* least slope of the reference's edge, in ranges of the profile per sample */
 #define SMR_STEEP 3.0f     /* slope of the edges that are worth most, as a multiple of the reference edge's slope */
 
-/* Returns the slope of the packed reference at sample k, in ranges per sample. */
-static float slope_at(const uint8_t *packed, uint32_t k)
-{
-    return ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
-}
+/* Returns the slope of the packed profile p at sample k, in ranges of the profile per sample. */
+static float slope_at(const uint8_t *p, uint32_t k) { return ((float)p[k + 1u] - (float)p[k - 1u]) * (0.5f / 255.0f); }
 
 /* The edge of the reference profile. */
 typedef struct edge {
@@ -51,11 +48,8 @@ static float edge_worth(float steep, float lighter)
     return 2.0f * steep / ((1.0f + over * over) * (1.0f + lighter * lighter));
 }
 
-/* Returns 1 when the sample *inside and two samples on either side lie inside the image. */
-static int five_inside(const unsigned char *inside)
-{
-    return inside[-2] && inside[-1] && inside[0] && inside[1] && inside[2];
-}
+/* Returns 1 when a sample and two samples on either side lie inside the image; in: address of the sample's flag. */
+static int five_inside(const unsigned char *in) { return in[-2] && in[-1] && in[0] && in[1] && in[2]; }
 
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
                           uint32_t m, uint32_t centre, uint32_t reach)

@@ -45,8 +45,7 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
 
-/* Finds the first steepest sample within `reach` samples of line sample `centre` (paper 3, gradient magnitude
- * maximization). The confidence is 1; 0 on a constant line. */
+/* Finds the steepest sample within `reach` samples of sample `centre` (paper 3). Confidence 1; 0 on a constant line. */
 smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
 /* Returns the place, relative to the middle one, of the maximum of a parabola through three values, -0.5 .. 0.5. */

@@ -22,8 +22,8 @@ static void subtract_mean(float *value, uint32_t n)
         value[k] -= mean;
 }
 
-/* Writes slope[k], the image's derivative along the unit vector `side` at sample k, in ranges of the reference per mm,
- * relative to the mean of all slopes. Returns 0 when samples lie outside the image. */
+/* Writes slope[k]: the image's change per mm along the unit vector `side` at sample k, divided by the reference's
+ * range, minus the mean of all slopes. Returns 0 when samples lie outside the image. */
 static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
 {
     float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
@@ -49,7 +49,7 @@ static float product(const float *a, const float *b, uint32_t n)
     return sum;
 }
 
-/* Writes reference and image values to ref[n] and here[n], relative to their means, in ranges of the reference. */
+/* Writes reference and image values to ref[n] and here[n], minus their means, divided by the reference's range. */
 static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
 {
     for (uint32_t k = 0; k < reference->n; k++) {

@@ -17,8 +17,7 @@ typedef struct smr_place {
     float reach_mm;         /* > 0: distance, mm, of the four lines beside this line, and longest shift */
 } smr_place;
 
-/* Returns the contrast of the image relative to the reference: the ratio of the standard deviations of found
- * [reference->n] and of the reference, 0 .. 4, never NaN. */
+/* Returns the standard deviation of found[reference->n] divided by that of the reference, 0 .. 4, never NaN. */
 float smr_contrast(const smr_profile *reference, const float *found);
 
 /* Returns the displacement perpendicular to the normal, mm, at most reach_mm, after which the image agrees best with

@@ -78,11 +78,8 @@ typedef struct strides {
     size_t dx, dy, dz; /* from a lower voxel to the upper one along each axis; 0 for an axis of one voxel */
 } strides;
 
-/* Returns 1 when index coordinate `at` lies inside an axis of `size` voxels. */
-static int on_axis(float at, uint32_t size)
-{
-    return size == 1u ? at >= -0.5f && at <= 0.5f : at >= 0.0f && at <= (float)(size - 1u);
-}
+/* Returns 1 when index coordinate `at` lies inside an axis of n voxels. */
+static int on_axis(float at, uint32_t n) { return n == 1u ? smr_within(at, 0.5f) : at >= 0 && at <= (float)(n - 1u); }
 
 /* Shrinks the run of samples *from .. *to - 1 to the samples inside the volume along one axis. */
 static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
@@ -166,16 +163,14 @@ static void sample(const smr_volume *v, const cells *c, const strides *d, uint32
     }
 }
 
-/* Returns 1 when the mask is 0 at any of a cell's eight voxels; mask: address of the cell's lowest voxel. */
-static int masked(const uint8_t *mask, const strides *d)
+/* Returns 1 when the mask is 0 at any of a cell's eight voxels; lo: address of the mask at the cell's lowest voxel. */
+static int masked(const uint8_t *lo, const strides *d)
 {
-    const uint8_t *m = mask + d->dz;
-    return !(mask[0] && mask[d->dx] && mask[d->dy] && mask[d->dx + d->dy] && m[0] && m[d->dx] && m[d->dy] &&
-             m[d->dx + d->dy]);
+    const uint8_t *m = lo + d->dz;
+    return !(lo[0] && lo[d->dx] && lo[d->dy] && lo[d->dx + d->dy] && m[0] && m[d->dx] && m[d->dy] && m[d->dx + d->dy]);
 }
 
-/* Sets value and inside to 0 where the mask is 0 or the value is NaN or too large. Returns the number of samples that
- * remain inside. */
+/* Sets value and inside to 0 where the mask is 0 or the value is NaN or too large. Returns the number left inside. */
 static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value,
                      unsigned char *inside)
 {

@@ -54,12 +54,5 @@ void smr_plastic_update(smr *s)
     s->schedule.plastic_updates++;
 }
 
-void smr_plastic_positions(smr_shape *shape)
-{
-    memcpy(shape->x_ref, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
-}
-
-void smr_plastic_normals(smr_shape *shape)
-{
-    memcpy(shape->normal_ref, shape->normal, 3u * (size_t)shape->shared->n * sizeof(float));
-}
+void smr_plastic_positions(smr_shape *s) { memcpy(s->x_ref, s->x, 3u * (size_t)s->shared->n * sizeof(float)); }
+void smr_plastic_normals(smr_shape *s) { memcpy(s->normal_ref, s->normal, 3u * (size_t)s->shared->n * sizeof(float)); }

@@ -64,7 +64,12 @@ static void begin(float radius)
         w.normal[3u * i] = 1.0f;
         w.seen[i] = SMR_VISIBLE_ONE;
     }
-    smr_occluded_field_wire(&w.field, &w.shared, &w.schedule, &w.shape, &w.goals, &w.landmarks, &w.overlay);
+    w.field.shared = &w.shared;
+    w.field.schedule = &w.schedule;
+    w.field.shape = &w.shape;
+    w.field.goals = &w.goals;
+    w.field.landmarks = &w.landmarks;
+    smr_occluded_field_wire(&w.field, &w.overlay);
 }
 
 static void solve(void)
@@ -219,7 +224,8 @@ TEST(follows_images)
     w.shape.track_rest = &held;
     w.shape.track_rest_x = w.start;
     w.shape.start = NULL;
-    smr_occluded_field_wire_image(&w.field, found, &has_image);
+    w.field.found = found;
+    w.field.has_image = &has_image;
     for (uint32_t i = 0; i < N; i++) {
         found[i] = w.start[3u * i + 2u] < 150.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
         w.seen[i] = 0;

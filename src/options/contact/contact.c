@@ -303,17 +303,14 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
 
 /* ---- projection ---- */
 
-static uint32_t triangle_tasks(const smr_contact *c)
-{
-    return c->triangles_due ? smr_ceil_div(c->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
-}
+static uint32_t due_tasks(const smr_contact *c) { return c->triangles_due ? smr_triangle_tasks(c->shared) : 0u; }
 
 uint32_t smr_contact_project_tasks(const void *arg)
 {
     const smr_contact *c = arg;
     if (!smr_contact_on(c) || !smr_at_last_radius(c->shared, c->schedule))
         return 0;
-    return SMR_PROJECT_PASSES * (smr_active_tasks(c->schedule) + triangle_tasks(c));
+    return SMR_PROJECT_PASSES * (smr_active_tasks(c->schedule) + due_tasks(c));
 }
 
 /* A point of a surface: a vertex, or a point of a triangle. */
@@ -386,7 +383,7 @@ static void separate_triangles(const smr_contact *c, uint32_t chunk)
 void smr_contact_project(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_contact *c = arg;
-    const uint32_t n = triangle_tasks(c), chunk = task % (n + smr_active_tasks(c->schedule));
+    const uint32_t n = due_tasks(c), chunk = task % (n + smr_active_tasks(c->schedule));
     if (chunk < n)
         separate_triangles(c, chunk);
     else

@@ -73,8 +73,7 @@ static inline int smr_contact_on(const smr_contact *c)
 void smr_contact_find(smr_contact *c, uint32_t v);                 /* finds the contacts of a vertex */
 void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* finds the contact of a triangle's centre */
 
-/* Returns the further displacement of v, mm, that removes v's share of the penetration when all vertices move by
- * `displaced`. */
+/* Returns v's share, mm, of the displacement that ends penetration when all vertices have moved by `displaced`. */
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);
 smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx);
 

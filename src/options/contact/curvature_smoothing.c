@@ -12,12 +12,10 @@ void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
         s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* smr_smooth_rest() computes them */
 }
 
-static uint32_t ring_tasks(const smr_smooth *s) { return smr_ceil_div(s->shared->n_triangles, SMR_TRIANGLE_CHUNK); }
-
 uint32_t smr_smooth_tasks(const void *arg)
 {
     const smr_smooth *s = arg;
-    return s->height != NULL && s->schedule->repairing == 0u ? s->shared->n_tasks + ring_tasks(s) : 0u;
+    return s->height != NULL && s->schedule->repairing == 0u ? s->shared->n_tasks + smr_triangle_tasks(s->shared) : 0u;
 }
 
 void smr_smooth_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -49,7 +47,7 @@ void smr_smooth_rest(smr_smooth *s)
 {
     if (s->height == NULL)
         return;
-    for (uint32_t task = 0; task < s->shared->n_tasks + ring_tasks(s); task++)
+    for (uint32_t task = 0; task < s->shared->n_tasks + smr_triangle_tasks(s->shared); task++)
         smr_smooth_sum(s, task, 0);
     for (uint32_t v = 0; v < s->shared->n; v++)
         s->height[v] = height_of(s, v);

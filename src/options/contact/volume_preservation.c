@@ -77,12 +77,10 @@ void smr_volumes_commit(smr_volumes *v)
     }
 }
 
-static uint32_t sum_tasks(const smr_volumes *v) { return smr_ceil_div(v->shared->n_triangles, SMR_TRIANGLE_CHUNK); }
-
 uint32_t smr_volume_tasks(const void *arg)
 {
     const smr_volumes *v = arg;
-    return v->kept != NULL && v->schedule->repairing == 0u ? sum_tasks(v) + v->shared->n_tasks : 0u;
+    return v->kept != NULL && v->schedule->repairing == 0u ? smr_triangle_tasks(v->shared) + v->shared->n_tasks : 0u;
 }
 
 /* Returns the sum of the cones whose bases are the triangles from .. to - 1. */
@@ -119,7 +117,7 @@ static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
     }
 }
 
-/* Chooses each structure's displacement, once all sums are complete. */
+/* Computes each structure's displacement_mm from the complete sums. */
 static void choose_displacements(smr_volumes *v)
 {
     for (uint32_t i = 0; i < v->shared->n_structures; i++) {
@@ -133,7 +131,7 @@ static void choose_displacements(smr_volumes *v)
 void smr_volume_correct(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_volumes *v = arg;
-    const uint32_t n = sum_tasks(v), first = task * SMR_TRIANGLE_CHUNK;
+    const uint32_t n = smr_triangle_tasks(v->shared), first = task * SMR_TRIANGLE_CHUNK;
     if (task < n)
         sum_piece(v, first, smr_min_u32(first + SMR_TRIANGLE_CHUNK, v->shared->n_triangles));
     if (task == n)

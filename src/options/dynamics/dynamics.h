@@ -23,8 +23,8 @@ typedef struct smr_stored_energy {
     float elastic, goals;
 } smr_stored_energy;
 
-/* Energies of a group of structures, uJ. ELASTIC, GOALS: of springs at the end of a time step. BEFORE, AFTER: kinetic
- * energy at its start, and at its end before damping. SPIN: the part of AFTER in the group's rotation. WORK: work of
+/* Energies of a group of structures in a time step, uJ. ELASTIC, GOALS: of springs at the end. BEFORE, AFTER: kinetic
+ * energy at the start, and at the end before damping. SPIN: the part of AFTER in the group's rotation. WORK: work of
  * gravity and goals. PUSHED: number of moving pins. */
 enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_SPIN, SMR_WORK, SMR_PUSHED, SMR_STEP_ENERGIES };
 

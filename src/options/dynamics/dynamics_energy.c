@@ -95,10 +95,7 @@ static void end_turns(smr_dynamics *d, uint32_t n_structures)
 }
 
 /* The displacement of a point by the rotation of its group, mm. */
-static smr_vec turned(const smr_step_sums *group, smr_vec x)
-{
-    return smr_cross(group->spin, smr_sub(x, group->middle));
-}
+static smr_vec turned(const smr_step_sums *g, smr_vec x) { return smr_cross(g->spin, smr_sub(x, g->middle)); }
 
 static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, float sum[SMR_STEP_ENERGIES])
 {

@@ -11,10 +11,7 @@
 #define SMR_ROUNDS_MAX 12u    /* most rounds of smoothing */
 #define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex that ends the rounds */
 
-static uint32_t round_tasks(const smr_point_spread *p)
-{
-    return smr_ceil_div(p->shared->n_triangles, SMR_TRIANGLE_CHUNK) + p->shared->n_tasks;
-}
+static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tasks(p->shared) + p->shared->n_tasks; }
 
 uint32_t smr_point_spread_tasks(const void *arg)
 {

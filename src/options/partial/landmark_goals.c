@@ -64,8 +64,7 @@ void smr_landmark_goals_reset(smr_landmark_goals *g)
         g->landmark[k].more = smr_v(0, 0, 0);
 }
 
-/* Moves hard landmarks' goals by a share of their residuals (integral control) at the last radius; not where clusters
- * are single vertices. */
+/* At a last radius whose clusters have several vertices. The goals move by integral control. */
 void smr_landmark_goals_commit(smr_landmark_goals *g)
 {
     const float most = SMR_MORE_MOST * g->reach;

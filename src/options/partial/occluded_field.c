@@ -45,16 +45,9 @@ size_t smr_occluded_field_words(const smr_shared *shared)
     return (9u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
 }
 
-void smr_occluded_field_wire(smr_occluded_field *f, const smr_shared *shared, const smr_schedule *schedule,
-                             const smr_shape *shape, const smr_surface_goals *goals,
-                             const smr_landmark_goals *landmarks, const smr_overlay *overlay)
+void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
 {
-    f->shared = shared;
-    f->schedule = schedule;
-    f->shape = shape;
-    f->goals = goals;
-    f->landmarks = landmarks;
-    f->most = most_of(shared);
+    f->most = most_of(f->shared);
     f->start = (float *)overlay->sum;
     f->coefficient = f->start + 3u * f->most;
     f->noise_variance = f->coefficient + 3u * f->most;
@@ -62,12 +55,6 @@ void smr_occluded_field_wire(smr_occluded_field *f, const smr_shared *shared, co
     f->whitened = f->residual + f->most;
     f->motion = f->whitened + f->most;
     f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
-}
-
-void smr_occluded_field_wire_image(smr_occluded_field *f, const uint8_t *found, const uint32_t *has_image)
-{
-    f->found = found;
-    f->has_image = has_image;
 }
 
 /* The visibility of a vertex in the target that the field follows, 0 .. SMR_VISIBLE_ONE. */
@@ -246,8 +233,7 @@ static smr_vec along(const smr_occluded_field *f, uint32_t v, smr_vec displaceme
     return smr_sub(displacement, smr_scale(normal, smr_dot(normal, displacement)));
 }
 
-/* Beside an image, without landmarks, a nearly fully visible structure is not moved along its surface: at a joint the
- * common field would pull one structure with the next. */
+/* With a tracked image and no landmarks a visible structure does not slide: at a joint another one's field pulls it. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement)
 {
     const float share = smr_visibility_of(f->goals, v, has_goal);

@@ -87,12 +87,8 @@ float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32
 /* The binary logarithm of a positive normal number, accurate to 1e-6: exponent plus a series for the mantissa. */
 static float log_two(float x)
 {
-    uint32_t bits = 0;
-    float rest = 0.0f;
-    memcpy(&bits, &x, sizeof bits);
-    const float whole = (float)(bits >> 23) - 127.0f;
-    bits = (bits & 0x7fffffu) | 0x3f800000u;
-    memcpy(&rest, &bits, sizeof rest);
+    const uint32_t bits = smr_float_bits(x);
+    const float whole = (float)(bits >> 23) - 127.0f, rest = smr_float_of((bits & 0x7fffffu) | 0x3f800000u);
     const float z = (rest - SMR_LOG_MIDDLE) / (rest + SMR_LOG_MIDDLE), q = z * z;
     return whole + 0.5f + SMR_LOG_SCALE * z * (1.0f + q * (1.0f / 3.0f + q * (1.0f / 5.0f + q * (1.0f / 7.0f))));
 }

@@ -9,14 +9,15 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "geometry/gaussian_process/gaussian_process.h"
+#include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
 
-#define SMR_GOLDEN 2654435769u /* 2^32 times the golden ratio's fractional part: its multiples spread evenly */
-#define SMR_FIELD_TURN 3u      /* each iteration starts this many positions later in the order of vertices */
-#define SMR_FIELD_SHEET 0.5f   /* a sheet: least length of the sum of its area vectors, as a share of its area */
-#define SMR_FIELD_FAR 1.0e7f   /* mm: above all legal coordinates; larger results are discarded */
-#define SMR_TURN_MOST 0.1f     /* smallest divisor of Cayley's parameter (4 without a turn), near half a turn */
-#define SMR_SIZE_MOST 2.0f     /* largest factor by which one step changes the size */
+#define SMR_GOLDEN 2654435769u    /* 2^32 times the golden ratio's fractional part: its multiples spread evenly */
+#define SMR_FIELD_TURN 3u         /* each iteration starts this many positions later in the order of vertices */
+#define SMR_FIELD_SHEET 0.5f      /* a sheet: least length of the sum of its area vectors, as a share of its area */
+#define SMR_FIELD_FAR 9.999999e6f /* mm: above all legal coordinates; fields with larger numbers are discarded */
+#define SMR_TURN_MOST 0.1f        /* smallest divisor of Cayley's parameter (4 without a turn), near half a turn */
+#define SMR_SIZE_MOST 2.0f        /* largest factor by which one step changes the size */
 
 /* 0: landmarks, images or a sheet's borders determine positions. A closed target not yet covered counts as whole. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f)
@@ -154,15 +155,6 @@ static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
     }
 }
 
-/* Returns 1 when all numbers are finite and within SMR_FIELD_FAR. */
-static int is_sane(const float *number, uint32_t n)
-{
-    for (uint32_t i = 0; i < n; i++)
-        if (!(number[i] > -SMR_FIELD_FAR && number[i] < SMR_FIELD_FAR))
-            return 0;
-    return 1;
-}
-
 void smr_field_normals_end(smr_occluded_field *f)
 {
     float *const sum = f->back;
@@ -175,6 +167,6 @@ void smr_field_normals_end(smr_occluded_field *f)
         smr_store(to, smr_scale(smr_load(to), f->residual[k]));
     }
     add_motions(f, sum);
-    if (!is_sane(f->coefficient, 3u * f->n) || !is_sane(&f->pose.m[0][0], 12u))
+    if (!smr_all_within(f->coefficient, 3u * f->n, SMR_FIELD_FAR) || !smr_all_within(f->pose.m[0], 12u, SMR_FIELD_FAR))
         f->n = 0;
 }

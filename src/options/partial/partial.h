@@ -167,10 +167,8 @@ float smr_field_normals_step(const smr_occluded_field *f);
 void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle);
 /* The covariance of two controls from the kernel between them. */
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel);
-void smr_field_normals_end(
-    smr_occluded_field *f); /* computes coefficients from the factor, and adds motions to the pose */
-void smr_occluded_field_model(
-    smr_occluded_field *f); /* decides, once structures are known, whether the model is a sheet */
+void smr_field_normals_end(smr_occluded_field *f);    /* solves for the coefficients; adds the motions to the pose */
+void smr_occluded_field_model(smr_occluded_field *f); /* sets `sheet`, once structures are known */
 
 /* ---- occluded_field_covariance.c ---- */
 
@@ -185,10 +183,8 @@ float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
 
 size_t smr_occluded_field_words(const smr_shared *shared); /* words of memory that the field needs during forces */
-void smr_occluded_field_wire(smr_occluded_field *f, const smr_shared *shared, const smr_schedule *schedule,
-                             const smr_shape *shape, const smr_surface_goals *goals,
-                             const smr_landmark_goals *landmarks, const smr_overlay *overlay);
-void smr_occluded_field_wire_image(smr_occluded_field *f, const uint8_t *found, const uint32_t *has_image);
+void smr_occluded_field_wire(smr_occluded_field *f,
+                             const smr_overlay *overlay); /* places the arrays in smr_overlay.sum */
 
 /* Returns 1 while images are tracked: an image determines nothing along a surface. */
 static inline int smr_field_of_image(const smr_occluded_field *f)

@@ -19,15 +19,13 @@
 #define SMR_MUTUAL_NONE 1.5f     /* a goal that is off by this many tolerances has no weight; half of the weight at 1 */
 #define SMR_POINTS_FULL 0.22f    /* least weight of points at a fully visible vertex, as a share of the mean weight */
 
-/* Returns 1 when the target is a cloud of points. */
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
 /* Returns 1 when visibility can be judged: a structure without triangles has no normals. */
-static int can_judge(const smr_surface_goals *g, uint32_t structure)
+static int can_judge(const smr_surface_goals *g, uint32_t i)
 {
-    return g->visibility != NULL && g->target[structure].surface != NULL &&
-           g->shape->structure[structure].tree.n_triangles > 0u;
+    return g->visibility != NULL && g->target[i].surface != NULL && g->shape->structure[i].tree.n_triangles > 0u;
 }
 
 int smr_visibility_always_partial(const smr_surface_goals *g, uint32_t structure)
@@ -131,9 +129,8 @@ static float tolerance_of(const smr_surface_goals *g)
 /* Stores a visibility, 0..1. */
 static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
 {
-    const uint32_t now = (uint32_t)(share * (float)SMR_VISIBLE_ONE + 0.5f), before = g->visibility[v];
-    g->visibility_next[v] =
-        (uint8_t)(now + SMR_VISIBLE_STEADY >= before && now <= before + SMR_VISIBLE_STEADY ? before : now);
+    const uint32_t now = (uint32_t)(share * (float)SMR_VISIBLE_ONE + 0.5f), old = g->visibility[v];
+    g->visibility_next[v] = (uint8_t)(now + SMR_VISIBLE_STEADY >= old && now <= old + SMR_VISIBLE_STEADY ? old : now);
 }
 
 void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,

@@ -72,8 +72,14 @@ static void wire_sources(smr_forces *f, const smr_overlay *overlay)
     if (!SMR_HAS_PARTIAL)
         return;
     f->landmarks.reach = smr_max(SMR_HARD_EDGES * smr_le_float(f->shared->model->edge_mm), 1.0e-3f);
-    smr_occluded_field_wire(&f->occluded, f->shared, f->schedule, f->shape, &f->surface, &f->landmarks, overlay);
-    smr_occluded_field_wire_image(&f->occluded, f->found_last, &f->image.has_image);
+    f->occluded.shared = f->shared;
+    f->occluded.schedule = f->schedule;
+    f->occluded.shape = f->shape;
+    f->occluded.goals = &f->surface;
+    f->occluded.landmarks = &f->landmarks;
+    f->occluded.found = f->found_last;
+    f->occluded.has_image = &f->image.has_image;
+    smr_occluded_field_wire(&f->occluded, overlay);
 }
 
 /* Sets the pointers of each stage to what the stage reads. */

@@ -31,9 +31,8 @@ static inline smr_status smr_settable(const smr *s, int built, int legal)
     return legal && smr_changeable(s) ? SMR_OK : SMR_E_STATE;
 }
 
-/* Marks measures as outdated, for a new input, and discards results of searches, since a replay does not know how far
- * they had come. An iteration whose forces are not complete starts the forces again; any other one ends with the old
- * goals. changed: as in smr_tracking_changed(). */
+/* For a new input: marks measures as outdated, and discards results of searches, whose progress a replay does not know.
+ * Incomplete forces start again; with complete ones the iteration ends. changed: as in smr_tracking_changed(). */
 static inline void smr_restart_forces(smr *s, uint32_t changed)
 {
     smr_surface_goals *g = &s->forces.surface;
@@ -71,8 +70,7 @@ void smr_keep_inputs(smr_arena *a, smr *s);
 int smr_can_wait(const smr_shared *c);  /* 0: no memory for the list of awaited inputs: a forged model */
 int smr_awaits_log(const smr_log *log); /* 1: the log's memory is awaited */
 
-/* Takes an awaited input; kind, number and what as in smr_log_note(), a smr_caller_force for FORCE. Errors: E_INPUT,
- * E_STATE (NULL), E_ARENA; as smr_set_...(). */
+/* Takes an awaited input; arguments as in smr_log_note(), for FORCE a smr_caller_force. Errors: as smr_set_...(). */
 smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what);
 smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* NULL ends recording. Errors: E_ARENA, E_LOG */
 

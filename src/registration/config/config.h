@@ -1,4 +1,4 @@
-/* config.h: checks of the configuration. In: the configuration, the model. Out: 1 when the configuration is legal.
+/* config.h: checks of the configuration against ranges and the model.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CONFIG_H
 #define SMR_CONFIG_H

@@ -54,8 +54,7 @@ static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float sh
         e->limited[v] = (uint8_t)smr_max_u32(e->limited[v], (uint32_t)(share * SMR_LIMITED_FULL + 0.5f));
 }
 
-/* Steps: vertex normals from triangles, in iterations with normals_due; 0 tasks in others. The sums over triangles run
- * one task after the other. */
+/* Steps: vertex normals from triangles, in iterations with normals_due. The sums run one task after the other. */
 smr_count_tasks smr_exact_normals_tasks, smr_exact_normals_sum_tasks;
 smr_run_task smr_exact_normals_clear, smr_exact_normals_sum, smr_exact_normals_unit;
 

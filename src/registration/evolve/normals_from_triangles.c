@@ -15,7 +15,7 @@ uint32_t smr_exact_normals_tasks(const void *arg)
 uint32_t smr_exact_normals_sum_tasks(const void *arg)
 {
     const smr_evolve *e = arg;
-    return e->normals_due ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
+    return e->normals_due ? smr_triangle_tasks(e->shared) : 0u;
 }
 
 void smr_exact_normals_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -36,7 +36,7 @@ void smr_exact_normals_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
         const uint32_t *t = triangle + 3u * (size_t)k;
-        const smr_vec n = smr_triangle_cross(smr_get3(x, t[0]), smr_get3(x, t[1]), smr_get3(x, t[2]));
+        const smr_vec n = smr_corners_cross(x, t);
         for (uint32_t c = 0; c < 3u; c++)
             smr_next_normal_set(sum, t[c], smr_add(smr_next_normal(sum, t[c]), n));
     }

@@ -26,7 +26,7 @@ uint32_t smr_tangent_tasks(const void *arg)
 uint32_t smr_tangent_sum_tasks(const void *arg)
 {
     const smr_tangent_smooth *e = arg;
-    return e->share > 0.0f ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
+    return e->share > 0.0f ? smr_triangle_tasks(e->shared) : 0u;
 }
 
 void smr_tangent_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)

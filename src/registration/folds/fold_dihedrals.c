@@ -14,8 +14,7 @@ void smr_runs_clear(smr_folds *f)
 
 static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
 {
-    const uint32_t *t = smr_corners(f, triangle);
-    return smr_unit(smr_triangle_cross(smr_get3(x, t[0]), smr_get3(x, t[1]), smr_get3(x, t[2])));
+    return smr_unit(smr_corners_cross(x, smr_corners(f, triangle)));
 }
 
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h)

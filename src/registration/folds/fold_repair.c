@@ -8,15 +8,8 @@
 #define SMR_REPAIR_SWEEPS 10u  /* sweeps for each ring of the patch */
 #define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
-enum {
-    SMR_REPAIR_IDLE = 0,
-    SMR_REPAIR_MARK,
-    SMR_REPAIR_WIDER,
-    SMR_REPAIR_JOIN,
-    SMR_REPAIR_CLEAR,
-    SMR_REPAIR_SUM,
-    SMR_REPAIR_MOVE
-};
+/* Stages of the repair: none; mark folds; then for each structure with folds the others, in this order. */
+enum { REPAIR_IDLE, REPAIR_MARK, REPAIR_WIDER, REPAIR_JOIN, REPAIR_CLEAR, REPAIR_SUM, REPAIR_MOVE };
 
 static void mark(smr_folds *f, uint32_t triangle)
 {
@@ -126,22 +119,22 @@ static void next_structure(smr_folds *f)
     while (r->pass.structure < f->shared->n_structures && !f->folding[r->pass.structure])
         r->pass.structure++;
     r->ring = r->sweep = 0;
-    r->pass.stage = r->pass.structure < f->shared->n_structures ? SMR_REPAIR_WIDER : SMR_REPAIR_IDLE;
+    r->pass.stage = r->pass.structure < f->shared->n_structures ? REPAIR_WIDER : REPAIR_IDLE;
 }
 
 static void next_pass(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
     r->pass.at = 0;
-    if (r->pass.stage == SMR_REPAIR_MARK) {
+    if (r->pass.stage == REPAIR_MARK) {
         f->n_folding = r->n_folds;
         next_structure(f);
-    } else if (r->pass.stage == SMR_REPAIR_JOIN) {
-        r->pass.stage = ++r->ring < rings_of(f) ? SMR_REPAIR_WIDER : SMR_REPAIR_CLEAR;
-    } else if (r->pass.stage != SMR_REPAIR_MOVE) {
+    } else if (r->pass.stage == REPAIR_JOIN) {
+        r->pass.stage = ++r->ring < rings_of(f) ? REPAIR_WIDER : REPAIR_CLEAR;
+    } else if (r->pass.stage != REPAIR_MOVE) {
         r->pass.stage++;
     } else if (++r->sweep < SMR_REPAIR_SWEEPS * rings_of(f)) {
-        r->pass.stage = SMR_REPAIR_SUM;
+        r->pass.stage = REPAIR_SUM;
     } else {
         r->pass.structure++;
         next_structure(f);
@@ -151,7 +144,7 @@ static void next_pass(smr_folds *f)
 void smr_fold_repair_start(smr_folds *f)
 {
     memset(&f->repair, 0, sizeof f->repair);
-    f->repair.pass.stage = SMR_REPAIR_MARK;
+    f->repair.pass.stage = REPAIR_MARK;
     smr_runs_clear(f);
 }
 
@@ -161,17 +154,17 @@ void smr_fold_repair_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
 {
     smr_folds *f = arg;
     smr_fold_pass *pass = &f->repair.pass;
-    const uint32_t over = pass->stage == SMR_REPAIR_MARK   ? SMR_OVER_DIHEDRALS
-                          : pass->stage == SMR_REPAIR_MOVE ? SMR_OVER_VERTICES
-                                                           : SMR_OVER_TRIANGLES;
+    const uint32_t over = pass->stage == REPAIR_MARK   ? SMR_OVER_DIHEDRALS
+                          : pass->stage == REPAIR_MOVE ? SMR_OVER_VERTICES
+                                                       : SMR_OVER_TRIANGLES;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);
     switch (pass->stage) {
-    case SMR_REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
-    case SMR_REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
-    case SMR_REPAIR_JOIN: join(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
-    case SMR_REPAIR_CLEAR: clear_rings(f, piece.from, piece.to); break;
-    case SMR_REPAIR_SUM: sum_rings(f, piece.from, piece.to); break;
-    case SMR_REPAIR_MOVE: move(f, piece.from, piece.to); break;
+    case REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
+    case REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case REPAIR_JOIN: join(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case REPAIR_CLEAR: clear_rings(f, piece.from, piece.to); break;
+    case REPAIR_SUM: sum_rings(f, piece.from, piece.to); break;
+    case REPAIR_MOVE: move(f, piece.from, piece.to); break;
     default: break;
     }
     if (smr_fold_piece_done(pass, &piece))

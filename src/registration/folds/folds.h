@@ -24,8 +24,7 @@ typedef struct smr_fold_pass {
 /* Items of a pass: all dihedral edges, or one structure's triangles or vertices. */
 enum { SMR_OVER_DIHEDRALS = 0, SMR_OVER_TRIANGLES, SMR_OVER_VERTICES };
 
-/* A piece of a pass: items from .. to - 1, counted over all structures. first, length: first item and number of items
- * of the structure. */
+/* A piece of a pass: items from .. to - 1 of the model. first, length: the structure's first item, number of items. */
 typedef struct smr_fold_piece {
     uint32_t first, from, to, length;
 } smr_fold_piece;

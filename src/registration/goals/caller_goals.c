@@ -52,8 +52,8 @@ static int same(const smr_caller_goals *g, const chunk *c, uint32_t first, uint3
     int alike = 1;
     for (uint32_t i = 0; i < n; i++) {
         const float *was = g->force_output + 4u * ((size_t)first + i);
-        alike &= memcmp(was, c->displacement[i], 3u * sizeof(float)) == 0 &&
-                 memcmp(was + 3, &c->weight[i], sizeof(float)) == 0;
+        alike &=
+            memcmp(was, c->displacement[i], 3u * sizeof *was) == 0 && memcmp(was + 3, &c->weight[i], sizeof *was) == 0;
     }
     return alike;
 }

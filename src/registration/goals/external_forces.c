@@ -31,13 +31,12 @@ void smr_forces_unmeasured(smr_forces *f)
     f->matched = -1.0f;
 }
 
-/* Updates a task's largest values of the two kinds of quantities that the cluster sums will round. */
+/* Raises tally->forces.largest to what vertex v adds to the cluster sums: m u, and m u times the position x^r. */
 static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
 {
-    const smr_vec ref = smr_get3(f->shape->x_ref, v),
-                  u = smr_scale(smr_match_displacement(f, v), smr_mass(f->shared, v));
+    const smr_vec r = smr_get3(f->shape->x_ref, v), u = smr_scale(smr_match_displacement(f, v), smr_mass(f->shared, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
-    const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
+    const float arm = smr_max(smr_abs(r.x), smr_max(smr_abs(r.y), smr_abs(r.z)));
     const float terms = f->shared->config.basic.method == SMR_METHOD_RIGID ? 2.0f : 1.0f;
     tally->forces.largest[0] = smr_max(tally->forces.largest[0], largest);
     tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);

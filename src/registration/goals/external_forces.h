@@ -55,8 +55,7 @@ smr_count_tasks smr_forces_tasks, smr_contact_tasks, smr_forces_take_tasks;
 smr_run_task smr_forces_search, smr_contact_search, smr_forces_take;
 void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results that the next forces start from */
 
-/* Momentum, mm: a share of the last iteration's displacement (Polyak 1964). Valid until evolve overwrites x_next, which
- * holds the positions before x. */
+/* Momentum, mm: a share of the last iteration's displacement (Polyak 1964), until evolve overwrites x_next. */
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
 {
     const smr_vec step = smr_sub(smr_get3(f->shape->x, v), smr_get3(f->shape->x_next, v));

@@ -31,7 +31,7 @@ static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from
         add_record(s, to, from, share);
 }
 
-/* Adds a task's boundary pairs: each vertex of a pair to the other one's cluster. r: as in add(). */
+/* For each boundary pair of a task: adds each vertex' share to the sum of the other vertex' cluster. r: as in add(). */
 static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 {
     const smr_schedule *schedule = s->schedule;

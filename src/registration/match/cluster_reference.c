@@ -101,11 +101,8 @@ static void parts_of(const float *x, float inverse, uint64_t out[3])
         out[a] = (uint64_t)nearest(x[a] * inverse * (float)(1u << SMR_PART_BITS));
 }
 
-/* Returns parts / 2^bits, rounded to nearest. */
-static uint32_t whole(uint64_t parts, uint32_t bits)
-{
-    return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
-}
+/* Returns p / 2^bits, rounded to nearest. */
+static uint32_t whole(uint64_t p, uint32_t bits) { return (uint32_t)((p + ((uint64_t)1 << (bits - 1u))) >> bits); }
 
 /* The origin of moments in coarse steps, modulo 2^32: x^r of stored vertex 0 in dynamics, where moments about a far
  * origin would have large rounding errors; otherwise the origin of x^r. */

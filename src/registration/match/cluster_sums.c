@@ -38,8 +38,7 @@ uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->sc
 
 uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->schedule); }
 
-/* Writes records of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9
- * words). */
+/* Writes records of u = x + f^e - x^r: m u, then m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9 words). */
 void smr_sums_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_sums *s = arg;

@@ -15,7 +15,7 @@
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 
-/* Types of a step's functions: one returns the number of the step's tasks, one runs a task. stage: the step's struct. */
+/* Types of a step's functions: one returns the number of tasks, one runs a task. stage: the struct of the step. */
 typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 
@@ -100,6 +100,12 @@ static inline uint32_t smr_active_end(const smr_schedule *p, uint32_t task)
 /* Number of tasks of SMR_CHUNK, or of SMR_MATCH_CHUNK, active vertices. */
 static inline uint32_t smr_active_tasks(const smr_schedule *p) { return smr_ceil_div(p->n_active, SMR_CHUNK); }
 static inline uint32_t smr_match_tasks(const smr_schedule *p) { return smr_ceil_div(p->n_active, SMR_MATCH_CHUNK); }
+
+/* Number of tasks of SMR_TRIANGLE_CHUNK triangles. */
+static inline uint32_t smr_triangle_tasks(const smr_shared *c)
+{
+    return smr_ceil_div(c->n_triangles, SMR_TRIANGLE_CHUNK);
+}
 
 /* Returns 1 when a vertex is active: it gets a force and is a member of clusters (paper 2.2, complexity tuning). */
 static inline int smr_active(const smr_schedule *p, uint32_t vertex) { return vertex < p->n_active; }

@@ -60,10 +60,7 @@ void smr_track_rest_start(smr_shape *shape)
     smr_track_rest_derive(shape);
 }
 
-void smr_track_rest_keep_image(smr_shape *shape)
-{
-    memcpy(shape->image_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
-}
+void smr_track_rest_keep_image(smr_shape *s) { memcpy(s->image_x, s->x, 3u * (size_t)s->shared->n * sizeof(float)); }
 
 uint32_t smr_track_rest_sum_tasks(const void *arg)
 {

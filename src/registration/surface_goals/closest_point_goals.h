@@ -100,8 +100,7 @@ typedef struct smr_surface_find {
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
                      smr_surface_find *find);
 
-/* The displacement of vertex v to its last closest triangle, averaged with the pulls, before the search, mm; 0 without
- * triangle and pulls. Does not clear the pulls. */
+/* The displacement of v to its last closest triangle, averaged with the pulls, which stay, mm; 0 without both. */
 smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 
 /* A displacement, mm, with its part along the model's surface reduced to config.basic.slide. */
@@ -109,13 +108,14 @@ smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displace
 
 /* correspondence_rejection.c */
 int smr_reject_outside(const smr_config *c, smr_vec p); /* 1: p, mm in the caller's coordinates, is outside the box */
-int smr_reject_distance(const smr_surface_goals *g, float distance2); /* 1: an outlier by its squared distance, mm^2 */
+int smr_reject_distance(const smr_surface_goals *g,
+                        float d2); /* 1: a correspondence of squared length d2, mm^2, is an outlier */
 /* 1: the closest point lies on an open border of the target */
 int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit);
 /* outlier limit of the next iteration, mm: mean plus k standard deviations of the residuals; 0: none */
 float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float mean_square);
 
-/* Target-to-model attraction. */
+/* Returns 1 when some target pulls the model. */
 static inline int smr_attraction_on(const smr_surface_goals *g)
 {
     return (g->shared->config.basic.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
@@ -131,16 +131,16 @@ static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *ta
 smr_count_tasks smr_attract_tasks;
 smr_run_task smr_attract_search;
 
-/* The area of a target vertex over the mean, at most 16; a point's weight. */
+/* The area of target vertex j divided by the mean area, at most 16; of a cloud: the weight of point j. */
 static inline float smr_target_area(const smr_surface *s, uint32_t j)
 {
     return s->area_mean > 0.0f ? smr_min(s->area[j] / smr_max(s->area_mean, 1.0e-20f), 16.0f) : 1.0f;
 }
 
-/* outlier_weights.c. Weight of the pull of target vertex j with the squared residual r2, mm^2, 0..1. Then: notes a
- * residual at a slot of target_residual. */
+/* outlier_weights.c. The weight, 0..1, of the pull of target vertex j with the squared residual r2, mm^2. */
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2);
-void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm);
+void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm); /* stores a residual in target_residual[slot] */
+
 /* The goal on a structure's target, which must have one. */
 static inline const smr_goal *smr_goal_of(const smr_surface_goals *g, uint32_t structure)
 {
@@ -155,8 +155,7 @@ const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t struc
 /* Step: scale and inliers of each target, from the residuals; tasks run one after the other. */
 smr_count_tasks smr_outlier_tasks;
 smr_run_task smr_outlier_sum;
-/* Mean over the targets that pull of the median residual of what the model can cover, in the last complete forces, mm;
- * 0 without such a target. */
+/* Mean, mm, over the targets that pull, of the last median residual of what the model can cover; 0 without targets. */
 float smr_residual_typical(const smr_surface_goals *g);
 void smr_outliers_commit(smr_surface_goals *g);                     /* called when the current forces are complete */
 void smr_outliers_forget(smr_surface_goals *g, uint32_t structure); /* a structure, or SMR_ALL, has another target */

@@ -13,10 +13,7 @@ int smr_reject_outside(const smr_config *c, smr_vec p)
                           p.y > f->box_max[1] || p.z > f->box_max[2]);
 }
 
-int smr_reject_distance(const smr_surface_goals *g, float distance2)
-{
-    return g->limit > 0.0f && distance2 > g->limit * g->limit;
-}
+int smr_reject_distance(const smr_surface_goals *g, float d2) { return g->limit > 0.0f && d2 > g->limit * g->limit; }
 
 int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit)
 {

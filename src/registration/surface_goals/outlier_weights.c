@@ -9,6 +9,7 @@
  * Bounds: two passes over the target vertices an iteration; for a new radius or target one over the model's triangles
  * for each distinct target.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
 #define SMR_OUTLIER_CHUNK 256u    /* target vertices, or triangles of the model, of a task */
@@ -117,13 +118,10 @@ static void add_area(const smr_surface_goals *g, smr_goal *goal, uint32_t first,
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         const smr_shape_structure *one = &g->shape->structure[i];
         const uint32_t end = smr_min_u32(last, one->first_triangle + one->tree.n_triangles);
-        for (uint32_t k = smr_max_u32(first, one->first_triangle); g->target[i].surface == goal->surface && k < end;
-             k++) {
-            const uint32_t *c = one->tree.triangle + 3u * (size_t)(k - one->first_triangle);
-            const smr_vec a = smr_get3(g->shape->x, c[0]);
-            goal->model_area += 0.5f * smr_length(smr_cross(smr_sub(smr_get3(g->shape->x, c[1]), a),
-                                                            smr_sub(smr_get3(g->shape->x, c[2]), a)));
-        }
+        if (g->target[i].surface != goal->surface)
+            continue;
+        for (uint32_t k = smr_max_u32(first, one->first_triangle); k < end; k++)
+            goal->model_area += 0.5f * smr_length(smr_corners_cross(g->shape->x, g->shared->triangle + 3u * (size_t)k));
     }
 }
 

@@ -60,11 +60,7 @@ static uint32_t triangles_again(const void *arg)
     return s->folds.moved ? smr_triangles_tasks(&s->shape) : 0u;
 }
 
-void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
-{
-    smr *s = arg;
-    smr_triangles_refit(&s->shape, task, worker);
-}
+void smr_refit_again(void *s, uint32_t task, uint32_t worker) { smr_triangles_refit(&((smr *)s)->shape, task, worker); }
 
 static uint32_t one_task(const void *stage) { return (void)stage, 1u; }
 

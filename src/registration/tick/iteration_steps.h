@@ -64,8 +64,7 @@ int smr_forces_pending(const smr *s);        /* 1: the forces of the current ite
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 
-/* Abandons the current iteration: x stays, and all results are discarded, starts of searches among them, since a
- * replay does not know how far the iteration had come. */
+/* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which there were. */
 void smr_abandon_iteration(smr *s);
 
 /* coarse_to_fine_schedule.c: between iterations. */

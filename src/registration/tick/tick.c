@@ -96,8 +96,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-/* Fills s->report. before: number of complete iterations when the tick began. smr_commit() has reported the radius of a
- * complete iteration. */
+/* Fills s->report; before: number of complete iterations when the tick began. Their radius is that of smr_commit(). */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;

@@ -64,12 +64,11 @@ void smr_budget_learn(smr *s, uint32_t n_tasks)
     smr_time_budget *c = &s->budget;
     const smr_step *step = &smr_steps[s->step];
     const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
-    const int odd =
-        c->odd != 0u || s->port.now_ns == NULL || !(units > 0.0f) || (n_tasks == 0u && step->work != SMR_WORK_FOLDS);
+    const int odd = c->odd != 0u || s->port.now_ns == NULL, none = n_tasks == 0u && step->work != SMR_WORK_FOLDS;
     c->sum += spent;
     c->spent = 0;
     c->odd = 0;
-    if (odd)
+    if (odd || none || !(units > 0.0f))
         return;
     c->rate[s->step] = blend(c, c->rate[s->step], spent / units, units);
     if (step->work == SMR_WORK_LISTS)

@@ -17,7 +17,6 @@ static inline void smr_pose_through(smr_pose *p, smr_vec from, smr_vec to)
     p->m[2][3] = shift.z;
 }
 
-/* The pose's scale: the length of its first column. */
 static inline float smr_pose_scale(const smr_pose *p) { return smr_length(smr_column(p, 0)); }
 
 /* align_closest_points.c: the inverse of a rigid, scaled or mirrored pose. */
@@ -60,6 +59,7 @@ static inline void smr_list_insert(smr_pose_list *l, const smr_pose *pose, float
     }
 }
 
+/* Removes pose `at`. */
 static inline void smr_list_remove(smr_pose_list *l, uint32_t at)
 {
     l->n--;
@@ -160,8 +160,8 @@ typedef struct smr_coarse {
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* copies samples of both sides */
 
-/* Searches the poses of this scale with the first n_shifts translations, of the model or, mirrored not 0, of its
- * mirror image. The list keeps the best poses, at most two with the same rotation. */
+/* Adds to `found` the best poses of this scale, at most two of a rotation, with the first n_shifts translations, of the
+ * model or, with `mirrored` 1, of the model's mirror image. */
 void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
                       smr_pose_list *found);
 

@@ -3,6 +3,7 @@
  * follows from the distances.
  * Bounds: 2 * samples searches for the pairs; a quantile is 4 passes over a side's samples.
  * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
 #include "start/align/align.h"
 
 #define SMR_AGREE 0.1f   /* least cosine between the normals of a pair */
@@ -61,9 +62,8 @@ void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
 static float quantile(const smr_aligner *a, uint32_t side, float share)
 {
     uint32_t rank = smr_min_u32((uint32_t)(share * (float)a->used), a->used - 1u), found = 0, mask = 0;
-    float d2;
     for (uint32_t i = 0; i < a->used; i++)
-        memcpy(&a->order[i], &a->side[side].pair[i].d2, sizeof *a->order);
+        a->order[i] = smr_float_bits(a->side[side].pair[i].d2);
     for (uint32_t shift = 24u; shift < 32u; shift -= 8u) {
         uint32_t count[256] = {0}, byte = 0;
         for (uint32_t i = 0; i < a->used; i++)
@@ -74,8 +74,7 @@ static float quantile(const smr_aligner *a, uint32_t side, float share)
         found |= byte << shift;
         mask |= 255u << shift;
     }
-    memcpy(&d2, &found, sizeof d2);
-    return d2;
+    return smr_float_of(found);
 }
 
 float smr_pairs_limit(const smr_aligner *a)

@@ -75,8 +75,6 @@ smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
     job j;
     smr_warp w;
     layout(&a, n, &j, &w);
-    if (a.used == SIZE_MAX)
-        return SMR_E_INPUT;
     *bytes = a.used;
     return SMR_OK;
 }
@@ -124,8 +122,7 @@ static void merge(job *j, smr_warp *w, const float *from, const float *to, uint3
         smr_put3(j->goal, k, smr_scale(smr_get3(j->goal, k), 1.0f / j->count[k]));
 }
 
-/* Scales the spline's centres to lengths near 1, by a power of two, and finds their principal directions and
- * variances. */
+/* Scales the centres to lengths near 1, by a power of two. Finds their principal directions and variances. */
 static void normalise(job *j, smr_warp *w)
 {
     float unit = 1.0f, c[6] = {0}, v[9], most = 0.0f;
@@ -162,8 +159,7 @@ static uint32_t choose_kind(const job *j)
     return j->n >= 3u && j->variance[1] > SMR_LINE_SHARE * largest ? SMR_WARP_SCALED : SMR_WARP_RIGID;
 }
 
-/* Fills the matrix [K + lambda I, P; P^T, 0], with K + lambda I divided by `unit` so that entries are near 1, and the
- * right-hand sides. */
+/* Fills the matrix [(K + lambda I) / unit, P; P^T, 0], whose entries are near 1, and the right-hand sides. */
 static void fill_equations(const job *j, const smr_warp *w, float unit)
 {
     const size_t n = j->n, m = n + SMR_WARP_AFFINE;
