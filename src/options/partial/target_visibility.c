@@ -119,13 +119,6 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
 }
 
-/* Returns the tolerance of closest points, mm, which is larger while clusters are large. */
-static float tolerance_of(const smr_surface_goals *g)
-{
-    const float edge = smr_le_float(g->shared->model->edge_mm);
-    return smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * g->schedule->lists.radius, SMR_OFF_LEAST);
-}
-
 /* Stores a visibility, 0..1. */
 static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
 {
@@ -136,7 +129,8 @@ static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
 void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                           smr_vec displacement)
 {
-    const float tolerance = tolerance_of(g);
+    const float edge = smr_le_float(g->shared->model->edge_mm), radius = g->schedule->lists.radius;
+    const float tolerance = smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * radius, SMR_OFF_LEAST);
     const smr_vec normal = smr_get3(g->shape->normal, v), other = smr_get3(target->tree.normal, hit->triangle);
     const float least = smr_min(g->shared->min_cos, SMR_VISIBLE_COS - 0.1f);
     const float agree = smr_clamp((smr_dot(normal, other) - least) / (SMR_VISIBLE_COS - least), 0.0f, 1.0f);

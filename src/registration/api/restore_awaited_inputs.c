@@ -5,8 +5,8 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
-/* An awaited input. The list holds: the surface of each structure, the image, the caller's goals of each structure, the
- * caller's force (checksum 1), the fixed surfaces. */
+/* An awaited input. The list: each structure's surface, the image, each structure's goals by the caller, the caller's
+ * force (checksum 1), the fixed surfaces. */
 typedef struct awaited {
     uint32_t like;        /* the first structure with the surface of this structure; SMR_NONE: no surface */
     uint32_t checksum[2]; /* low and high word of the checksum; 0: nothing is awaited */

@@ -113,20 +113,15 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     return weight > 0.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The goal of v while the tracked image is outdated: *displacement, mm, is that of the field, which moves goals found
- * in the image along with newer targets. Returns SMR_FOUND_... */
-static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
-{
-    smr_image_keep(&f->image, v);
-    *displacement = smr_occluded_field_displacement(&f->occluded, v);
-    return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
-}
-
 /* Finds the displacement of v to an image goal, or without one its smoothing displacement, mm. Returns SMR_FOUND_... */
 static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
-    if (smr_field_of_past(&f->occluded))
-        return goal_of_past(f, v, displacement);
+    if (smr_field_of_past(
+            &f->occluded)) { /* the field moves goals found in an outdated image along with newer targets */
+        smr_image_keep(&f->image, v);
+        *displacement = smr_occluded_field_displacement(&f->occluded, v);
+        return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
+    }
     int visible = smr_image_goal(&f->image, v, displacement);
     if (smr_field_of_image(&f->occluded))
         visible = smr_occluded_field_blend_image(&f->occluded, v, visible, displacement);

@@ -6,15 +6,6 @@
 
 #define SMR_BOUNDARY_CHUNK 16u /* boundary pairs of a task */
 
-/* Adds share / SMR_BOUNDARY_UNITS of the record of vertex `from` to the sum of vertex `to`. */
-static void add_record(smr_sums *s, uint32_t to, uint32_t from, int32_t share)
-{
-    uint32_t *sum = s->sum + SMR_WORDS * (size_t)to;
-    const uint32_t *record = s->record + SMR_WORDS * (size_t)from, words = s->words;
-    for (uint32_t i = 0; i < words; i++)
-        sum[i] += smr_boundary_part((int64_t)smr_signed(record[i]) * share);
-}
-
 uint32_t smr_boundary_tasks(const void *arg)
 {
     return smr_ceil_div(((const smr_sums *)arg)->schedule->lists.n_boundary, SMR_BOUNDARY_CHUNK);
@@ -22,13 +13,17 @@ uint32_t smr_boundary_tasks(const void *arg)
 
 uint32_t smr_reference_boundary_tasks(const void *r) { return smr_boundary_tasks(((const smr_reference *)r)->sums); }
 
-/* Adds the share of vertex `from` to the moments of the reference, or where r is NULL to the sums of records. */
+/* Adds share / SMR_BOUNDARY_UNITS of the record of vertex `from`, or with r of the moments, to the sum of `to`. */
 static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
-    if (r != NULL)
+    if (r != NULL) {
         smr_reference_add(r, to, from, share);
-    else
-        add_record(s, to, from, share);
+        return;
+    }
+    uint32_t *sum = s->sum + SMR_WORDS * (size_t)to;
+    const uint32_t *record = s->record + SMR_WORDS * (size_t)from, words = s->words;
+    for (uint32_t i = 0; i < words; i++)
+        sum[i] += smr_boundary_part((int64_t)smr_signed(record[i]) * share);
 }
 
 /* For each boundary pair of a task: adds each vertex' share to the sum of the other vertex' cluster. r: as in add(). */

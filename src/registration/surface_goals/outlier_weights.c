@@ -106,12 +106,6 @@ uint32_t smr_outlier_tasks(const void *arg)
     return n;
 }
 
-/* The area of a target vertex in units of 1 / SMR_OUTLIER_AREA of the mean area; a point's weight. */
-static uint32_t area_of(const smr_surface *surface, uint32_t j)
-{
-    return (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(surface, j) + 0.5f);
-}
-
 /* Adds the areas of triangles first .. last-1 of the model that belong to structures with this target. */
 static void add_area(const smr_surface_goals *g, smr_goal *goal, uint32_t first, uint32_t last)
 {
@@ -172,7 +166,8 @@ static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t ch
     const float cut = cut_of(g, goal->surface, goal->scale);
     const uint32_t last = smr_min_u32((chunk + 1u) * SMR_OUTLIER_CHUNK, goal->n_vertices);
     for (uint32_t j = chunk * SMR_OUTLIER_CHUNK; j < last; j++) {
-        const uint32_t steps = g->target_residual[goal->first_warm + j], area = area_of(goal->surface, j);
+        const uint32_t steps = g->target_residual[goal->first_warm + j];
+        const uint32_t area = (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(goal->surface, j) + 0.5f);
         if (!second) {
             tally(g, steps, area);
             continue;
