@@ -2,7 +2,6 @@
  * that structures must not enter.
  * Bounds: one pass over a fixed surface's vertices; for an image those of a start of the schedule.
  * SPDX-License-Identifier: MIT */
-#include "geometry/surface/points.h"
 #include "registration/api/setup.h"
 
 /* Returns the number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
@@ -223,18 +222,4 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         smr_schedule_start(s);
     smr_log_note(&s->log, SMR_LOG_VOLUME, 0, volume, 0);
     return SMR_OK;
-}
-
-smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
-{
-    const smr_surface *surface = points == NULL ? NULL : &points->surface;
-    smr_status status = smr_settable(s, SMR_HAS_PARTIAL, points == NULL || smr_points_valid(points));
-    if (status != SMR_OK)
-        return status;
-    if (s->n_awaited > 0u)
-        return s->await(s, SMR_LOG_POINTS, structure, surface);
-    status = smr_set_target(s, structure, surface);
-    if (status == SMR_OK)
-        smr_log_note(&s->log, SMR_LOG_POINTS, structure, points, 0);
-    return status;
 }

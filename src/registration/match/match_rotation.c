@@ -1,9 +1,8 @@
 /* match_rotation.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), from
  * the cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
  * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/rotation/rotation_polar_decomposition.c. In both t = c - R c^r. R - I
- * is stored, not R: R - I is small and exactly 0 without a rotation. Then records of T_i, with smr_config.motion.fusing
- * `lie` of log T_i, whose means over clusters move x^r (evolve_positions.c).
- * Bounds: two passes over the active vertices.
+ * is stored, not R: R - I is small and exactly 0 without a rotation.
+ * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "registration/match/cluster_match.h"
@@ -114,21 +113,5 @@ void smr_match_end(smr_match *m)
     for (uint32_t t = 0; t < smr_match_tasks(m->schedule); t++) {
         m->largest[0] = smr_max(m->largest[0], m->tally[t].match.largest[0]);
         m->largest[1] = smr_max(m->largest[1], m->tally[t].match.largest[1]);
-    }
-}
-
-uint32_t smr_average_tasks(const void *arg) { return smr_active_tasks(((const smr_match *)arg)->schedule); }
-
-void smr_average_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    const smr_match *m = arg;
-    const uint32_t words = smr_transform_words(m->shared), first = words - 3u;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(m->schedule, task); v++) {
-        uint32_t *r = m->sums->record + SMR_WORDS * (size_t)v;
-        const float *t = m->transform + 12u * (size_t)v;
-        for (uint32_t i = 0; i < first; i++)
-            r[i] = smr_fixed(t[i] * m->sums->scale[0]);
-        for (uint32_t i = first; i < words; i++)
-            r[i] = smr_fixed(t[i] * m->sums->scale[1]);
     }
 }
