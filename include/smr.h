@@ -209,9 +209,13 @@ typedef struct smr_tick_details {
     float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest of |goal - x|; -1: not measured */
     uint64_t phase_ns[SMR_PHASES];          /* ns; time of this tick in each phase; 0 without a clock */
     uint32_t plastic_updates;               /* number of times x^r = x since the start */
-    uint32_t tracking; /* 1: the schedule has ended and the model follows targets (config.track); done stays 0 */
-    uint32_t settled;  /* 1: the tracked model has settled; ticks change nothing until a target is set */
-    uint32_t jumped;   /* 1: the first goals of the present targets were beyond config.track.jump_mm, or missing */
+    uint32_t tracking;   /* 1: the schedule has ended and the model follows targets (config.track); done stays 0 */
+    uint32_t settled;    /* 1: the tracked model has settled; ticks change nothing until a target is set */
+    uint32_t jumped;     /* 1: the first goals of the present targets were beyond config.track.jump_mm, or missing */
+    uint32_t recovering; /* 1: the coarser radii run again after a jump; the positions are not good yet */
+    /* Number of successful smr_set_surface(), _points(), _volume(), _landmarks() and _goals() calls up to the targets
+     * that the positions follow. The number rises with the first complete iteration on new targets; 0: at the start. */
+    uint32_t target_serial;
 } smr_tick_details;
 
 typedef struct smr_tick_report {
@@ -238,17 +242,14 @@ typedef struct smr_tick_report {
  * least one chunk of work. Once the schedule has ended, a tick changes nothing. report may be NULL.
  * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are missing after
  * smr_restore(); called from within a tick; the caller's force broke its contract; the port used an illegal worker
- * number). After an illegal worker number the positions are those of the last complete iteration, and ticks return
- * E_STATE until smr_set_pose() or smr_set_positions(). */
+ * number; then the last complete positions stay, and ticks return E_STATE until smr_set_pose() or _positions()). */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
-/* Copies a structure's current positions: [n_vertices][3] mm, in the caller's vertex order.
- * Errors: E_NULL, E_INPUT, E_STATE. */
+/* Copies a structure's positions to xyz[n_vertices][3], mm, in the caller's order. Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 
 /* ------------------------------------------------------------------ 6. verdict */
-/* Levels of a verdict. GOOD: no measure gives a reason for doubt. LOOK: a measure gives a reason to look at the result.
- * FAILED: the result says nothing about the target. */
+/* Levels. GOOD: no reason for doubt. LOOK: a reason to look at the result. FAILED: it says nothing about the target. */
 enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
 
 /* Measures of a structure, or of the whole model. -1: not measured. */
@@ -297,8 +298,7 @@ struct smr_port {
     void *ctx;
     uint32_t n_workers; /* number of workers of `parallel`, 1..SMR_WORKERS_MAX */
     /* Calls run(arg, t, w) once for each t < n_tasks, in any order, on any workers w. Returns when all tasks are done
-     * and their writes are visible. NULL: the caller's thread runs the tasks in a loop. Within a task smr_set_...() and
-     * smr_tick() for the registration return SMR_E_STATE. */
+     * and their writes are visible. NULL: the caller's thread loops. In a task setters and smr_tick() get E_STATE. */
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
     uint64_t (*now_ns)(void *ctx); /* returns monotonic nanoseconds; NULL: no clock, and budgets and times are 0 */
 };
@@ -327,10 +327,10 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_SIMILARITY 2048u   /* image_similarity is low */
 #define SMR_REASON_GOALS 4096u        /* goals_share is low */
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
+#define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 
-/* Writes each vertex' expected distance from its true place to mm[n_vertices], in the caller's order. The distance
- * includes the error along the surface. -1: too little of the structure is visible for an estimate.
- * Errors: as smr_get_verdict(). */
+/* Writes each vertex' expected distance from its true place, also along the surface, to mm[n_vertices], in the caller's
+ * order. -1: too little of the structure is visible for an estimate. Errors: as smr_get_verdict(). */
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 
 /* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex; 0: the vertex
@@ -348,6 +348,13 @@ typedef struct smr_structure_report {
     float moved_mean_mm, moved_max_mm;       /* mean and largest displacement from the start positions */
 } smr_structure_report;
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
+
+/* Computes the rigid pose that best maps the rest shape of a structure, or of SMR_ALL, onto the visible vertices; onto
+ * all vertices if fewer than 3 are visible. *residual_mm: mean distance of the visible vertices in that pose to the
+ * planes through their last goals. -1: an input was set, or s restored, since the last forces, or an iteration is
+ * under way. After the first complete iteration on a new target (target_serial) this is the first pose for navigation.
+ * The cost is two passes over the vertices. Errors: E_NULL, E_INPUT, E_STATE (not a registration, inputs missing). */
+smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float *residual_mm);
 
 /* Writes ratio[n_vertices], in the caller's order; for SMR_ALL, of all structures in a row. A ratio is the volume
  * around a vertex divided by that volume at rest, with the scale, -1e6..1e6; below 0 it is inside out. The volume
@@ -463,8 +470,7 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
                                float max_mm, smr_closest *hit);
 
 /* Begins smr_surface_build() in pieces, for callers with little time at once; smr_surface_step() does the work. Until
- * smr_surface_step() returns SMR_OK the mesh must stay, and other calls with the surface return E_STATE.
- * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (a count). */
+ * then the mesh must stay, and other calls get E_STATE. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (a count). */
 smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
 /* Begins to replace the positions of a complete surface's vertices by xyz[n_vertices][3] mm, in the mesh's order;
@@ -589,8 +595,7 @@ typedef struct smr_image_config {
     uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 over the last radius' second half */
 } smr_image_config;
 
-/* Returns the defaults for a registration into an image. Image goals are noisy and far away, so the reference shape
- * follows less often, and there are more iterations. */
+/* Returns the defaults for images, whose goals are noisy and far: x^r = x less often, and more iterations. */
 smr_config smr_config_default_image(void);
 
 /* Sets the image of every structure without a target surface; the library borrows the image until the next image. NULL
@@ -759,8 +764,7 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio);
 /* Volumes of a structure. A structure encloses a volume if each edge belongs to as many triangles in one direction as
  * in the other. The rest volume is positive, also where triangles face inwards at rest; a structure turned inside out
  * has a negative present volume. smr_get_structure_volume() takes one pass over the model's vertices and the
- * structure's triangles, whether config.contact.volume is on or off. Errors: E_NULL, E_INPUT, E_STATE (not a
- * registration). */
+ * structure's triangles, config.contact.volume on or off. Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 typedef struct smr_structure_volume {
     uint32_t closed;   /* 1: the structure encloses a volume; 0: all other fields are 0, too */
     float rest_mm3;    /* mm^3. Volume of the rest shape in the scale of the start (smr_set_volume_ratio()) */
@@ -1001,21 +1005,18 @@ typedef struct smr_carry_fact {
 } smr_carry_fact;
 
 /* Maps n points xyz[n][3] mm that are not bound, in about 100 times the time of bound points. inverse 0: from rest to
- * the present. inverse 1: from the present to rest. out: [n][3] mm, may be xyz. facts: [n], or NULL.
- * Errors: as smr_carry_apply(). */
+ * the present; 1: from the present to rest. out: [n][3] mm, may be xyz. facts: [n], or NULL. Errors: as above. */
 smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, const float *xyz, uint32_t n, float *out,
                          smr_carry_fact *facts);
 
-/* Writes the SMR_FRAME_PLACES points that represent a frame, a place with three axes, for each of points[n][3] mm at
- * rest, to places[n][SMR_FRAME_PLACES][3] mm. size_mm: distance over which the frame is measured, half an implant's
- * length or 1. Errors: E_NULL, E_INPUT. */
+/* Writes the points that represent a frame, a place with three axes, for each of points[n][3] mm at rest, to
+ * places[n][SMR_FRAME_PLACES][3] mm. size_mm: measured length, half an implant's or 1. Errors: E_NULL, E_INPUT. */
 #define SMR_FRAME_PLACES 5u
 smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, float *places);
 
 /* smr_frame_poses() computes poses[n], the rigid part of the local map from rest to the present, and jacobians[n][9],
  * the local maps, row-major, from a frame's places at rest and now; poses or jacobians may be NULL. smr_frame_normals()
- * carries unit normals[n][3] by the local maps, in place: a carried normal is perpendicular to the carried plane.
- * Errors: E_NULL, E_INPUT. */
+ * carries unit normals[n][3], in place, with the planes that the local maps carry. Errors: E_NULL, E_INPUT. */
 smr_status smr_frame_poses(const float *rest, const float *now, uint32_t n, smr_pose *poses, float *jacobians);
 smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n);
 
@@ -1033,8 +1034,7 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
 smr_status smr_save_bytes(const smr *s, size_t *bytes);
 smr_status smr_save(const smr *s, void *memory, size_t bytes);
 
-/* Reads a save's header. smr_arena_bytes() with info->config gives the arena of smr_restore().
- * Errors: E_NULL, E_SAVE. */
+/* Reads a save's header; smr_arena_bytes() of info->config is smr_restore()'s arena. Errors: E_NULL, E_SAVE. */
 typedef struct smr_saved_info {
     size_t bytes;            /* bytes of the save; memory behind the save is ignored */
     uint32_t library;        /* version of the library that wrote the bytes: major << 16 | minor << 8 | patch */

@@ -189,7 +189,7 @@ class TickDetails(_Struct):
     _fields_ = [("phase", _U), ("radius", _U), ("radius_iteration", _U), ("n_taken", _U), ("n_wanted", _U),
                 ("n_active", _U), ("n_rejected", _U), ("n_guarded", _U), ("matched_share", _F), ("attraction_used", _F),
                 ("residual_rms_mm", _F), ("residual_max_mm", _F), ("phase_ns", _Q * 5), ("plastic_updates", _U),
-                ("tracking", _U), ("settled", _U), ("jumped", _U)]
+                ("tracking", _U), ("settled", _U), ("jumped", _U), ("recovering", _U), ("target_serial", _U)]
 
 
 class TickReport(_Struct):

@@ -72,6 +72,8 @@ const char *smr_reason_text(uint32_t bit)
         return "many vertices found no goal in the image: look where the image ends or differs in contrast";
     case SMR_REASON_STRUCTURES:
         return "structures that are not good make up much of the model: look at their own verdicts";
+    case SMR_REASON_RECOVERING:
+        return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
     default: return "";
     }
 }
@@ -264,6 +266,14 @@ static void judge_all(const smr *s, smr_verdict *verdict)
     }
 }
 
+/* The result is not good while the model recovers from a jump, or has not followed the present targets yet. */
+static void note_recovering(const smr *s, smr_verdict *verdict)
+{
+    const smr_schedule *p = &s->schedule;
+    if (p->recovering == 1u || (!p->done && p->serial != p->n_set))
+        check_most(verdict, SMR_REASON_RECOVERING, 1.0f, 0.0f, SMR_FAR);
+}
+
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
 {
     const smr_status status = check(s, verdict);
@@ -274,10 +284,11 @@ smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
         return SMR_E_INPUT;
     if (structure == SMR_ALL) {
         judge_all(s, verdict);
-        return SMR_OK;
+    } else {
+        gather(s, structure, &e);
+        conclude(s, structure, &e, verdict);
     }
-    gather(s, structure, &e);
-    conclude(s, structure, &e, verdict);
+    note_recovering(s, verdict);
     return SMR_OK;
 }
 

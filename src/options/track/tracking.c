@@ -18,16 +18,22 @@
 #define SMR_TRACK_STILL 0.2f    /* displacement at which the model rests, as a share of the targets' typical residual */
 #define SMR_TRACK_MOMENTUM 0.7f /* largest momentum after a jump: with more the model oscillates */
 #define SMR_TRACK_STEADY 0.6f   /* largest momentum for clouds beside an image: points attract faster than a surface */
-#define SMR_TRACK_GAIN 3.0f     /* largest factor on forces at coarser radii after a jump */
+#define SMR_TRACK_CALM 0.4f /* largest momentum for clouds alone, once the model has set off: noise keeps it swinging */
+#define SMR_TRACK_SET_OFF 2u /* first iterations for new targets, with the configured momentum: less would lag behind */
+#define SMR_TRACK_GAIN 3.0f  /* largest factor on forces at coarser radii after a jump */
 
 void smr_tracking_momentum(smr *s)
 {
-    const float configured = s->shared.config.motion.momentum;
+    float most = 1.0f;
     if (!s->schedule.tracking)
         return;
-    const int steady = s->forces.image.has_image && s->forces.surface.n_clouds_at_begin > 0u;
-    const float most = s->schedule.recovering > 0u ? SMR_TRACK_MOMENTUM : steady ? SMR_TRACK_STEADY : configured;
-    s->schedule.momentum = smr_min(configured, most);
+    if (s->schedule.recovering > 0u)
+        most = SMR_TRACK_MOMENTUM;
+    else if (s->forces.surface.n_clouds_at_begin > 0u && s->forces.image.has_image)
+        most = SMR_TRACK_STEADY;
+    else if (s->forces.surface.n_clouds_at_begin > 0u && s->schedule.radius_iteration >= SMR_TRACK_SET_OFF)
+        most = SMR_TRACK_CALM;
+    s->schedule.momentum = smr_min(s->shared.config.motion.momentum, most);
 }
 
 /* Starts iterations at the radius with this index. */

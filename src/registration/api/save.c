@@ -53,6 +53,8 @@ static void keep_schedule(smr_arena *a, smr *s)
     smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
     smr_keep_words(a, &p->n_active, 1, n);
     smr_keep_words(a, &p->n_active_chosen, 1, n);
+    smr_keep_words(a, &p->n_set, 1, UINT32_MAX);
+    smr_keep_words(a, &p->serial, 1, UINT32_MAX);
     smr_keep_require(a, p->radius >= s->shared.config.schedule.radius_first);
     if (SMR_HAS_TRACK)
         smr_tracking_keep(a, s);

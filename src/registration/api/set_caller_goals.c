@@ -26,6 +26,7 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
         return s->await(s, SMR_LOG_GOALS, structure, &goals);
     s->forces.caller.calls = &smr_caller_all;
     s->forces.caller.goals[structure] = goals;
+    s->schedule.n_set++;
     smr_restart_forces(s, SMR_CHANGED_MOVED);
     smr_log_note(&s->log, SMR_LOG_GOALS, structure, &goals, n);
     return SMR_OK;

@@ -123,6 +123,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
     for (uint32_t i = 0; i < n; i++)
         bind_point(&g->landmark[i], s, &landmarks[i], i < g->n && same_point(&g->landmark[i].given, &landmarks[i]));
     g->n = n;
+    s->schedule.n_set++;
     smr_restart_forces(s, n > 0u ? SMR_CHANGED_SHOWN : SMR_CHANGED);
     smr_log_note(&s->log, SMR_LOG_LANDMARKS, 0, landmarks, n);
     return SMR_OK;

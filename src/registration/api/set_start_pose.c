@@ -42,7 +42,7 @@ static void start_here(smr *s)
     smr_plastic_normals(shape);
     smr_abandon_iteration(s);
     memset(&s->report, 0, sizeof s->report);
-    s->refused = 0;
+    s->refused = s->schedule.serial = 0;
     smr_schedule_start(s);
 }
 

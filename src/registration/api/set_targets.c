@@ -140,6 +140,7 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
         g->target[i].measured = 0;
     }
     smr_note_target(g, first, last);
+    s->schedule.n_set++;
     smr_forces_unmeasured(&s->forces);
     const uint32_t n_goals = g->n_goals;
     smr_take_goals(g);
@@ -216,6 +217,7 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return SMR_E_CONFIG; /* vertices without an image goal would need the field of occluded vertices */
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
+    s->schedule.n_set++;
     if (follows)
         smr_restart_forces(s, SMR_CHANGED_IMAGE);
     else

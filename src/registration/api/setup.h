@@ -48,7 +48,7 @@ static inline void smr_restart_forces(smr *s, uint32_t changed)
 }
 
 #define SMR_SAVED_MAGIC 0x53524d53u /* "SMRS" */
-#define SMR_SAVED_VERSION 1u        /* version of the saved bytes that this library writes and reads */
+#define SMR_SAVED_VERSION 2u        /* version of the saved bytes that this library writes and reads */
 #define SMR_SAVED_FIXED 32u         /* bytes of the header */
 
 /* Words of the header. The configuration's words, the saved values and a CRC-32 of all bytes before follow. */

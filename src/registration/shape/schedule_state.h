@@ -56,6 +56,9 @@ typedef struct smr_schedule {
     uint32_t plastic_updates;  /* number of plastic updates since the start */
     uint32_t converged, done;  /* as in smr_tick_report */
     uint32_t repairing;        /* iterations of fold repair before this radius; 0: none */
+    uint32_t n_set;            /* number of times that targets were set */
+    uint32_t serial_of_forces; /* n_set when the last forces were complete */
+    uint32_t serial;           /* n_set of the targets that x follows; 0: x is the start */
     uint32_t n_active;         /* the first n_active stored vertices are active; clusters move the others */
     uint32_t n_active_chosen;  /* the caller's choice of n_active (smr_set_active); 0: none */
     smr_lists lists;           /* clusters of the current radius */

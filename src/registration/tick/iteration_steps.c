@@ -9,6 +9,7 @@ static void forces_end(smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
     smr_forces_end(&s->forces);
+    s->schedule.serial_of_forces = s->schedule.n_set;
     smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
     s->report.details.n_taken = s->schedule.n_active;
     s->report.details.n_active = t->n_with_target;
@@ -81,6 +82,7 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
     smr_folds_reset(&s->folds);
     s->report.displacement_max_mm = s->evolve.moved_mm;
     s->report.state_hash = s->evolve.hash;
+    s->schedule.serial = s->schedule.serial_of_forces;
     s->schedule.iteration++;
     s->schedule.radius_iteration++;
     s->schedule.since_plastic++;

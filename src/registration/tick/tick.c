@@ -113,6 +113,8 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
     r->details.tracking = s->schedule.tracking;
     r->details.settled = s->schedule.settled && !s->schedule.changed;
     r->details.jumped = s->schedule.jumped;
+    r->details.recovering = s->schedule.recovering == 1u;
+    r->details.target_serial = s->schedule.serial;
     r->progress = smr_radius_progress(s);
     memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
