@@ -263,7 +263,7 @@ _CALLS = {
     "smr_prepare": "puppzpzp", "smr_model_open": "pzp", "smr_model_get_info": "pp", "smr_model_structure": "pup",
     "smr_model_mesh": "pupp", "smr_arena_bytes": "ppp", "smr_init": "ppppzp", "smr_set_positions": "pup",
     "smr_set_pose": "pp", "smr_set_surface": "pup", "smr_set_points": "pup", "smr_set_volume": "pp",
-    "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp", "smr_set_goals": "pupp", "smr_tick": "pqp",
+    "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp", "smr_get_pose": "pupp", "smr_set_goals": "pupp", "smr_tick": "pqp",
     "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup", "smr_set_fixed": "pup",
     "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
     "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
@@ -1153,6 +1153,13 @@ class Registration:
         self._call(_lib.smr_get_local_volume, self.model.index(structure), radius_mm, _at(ratio))
         return ratio
 
+    def pose(self, structure: Union[int, str, None] = None) -> Tuple[Pose, float]:
+        """The rigid pose [3][4] from the rest shape of a structure, or of all (None), to its visible vertices, and their
+        mean distance in it to the planes through their last goals, mm; NaN where that was not measured."""
+        pose, mm = _Pose(), _F()
+        self._call(_lib.smr_get_pose, self.model.index(structure), C.byref(pose), C.byref(mm))
+        return _pose_array(pose), mm.value if mm.value >= 0 else float("nan")
+
     def visible(self, structure: Union[int, str]) -> Array:
         """[n] bool: whether the target shows the vertex."""
         return self._for_vertices(_lib.smr_get_visible, structure, np.uint8, 0) != 0
@@ -1259,12 +1266,15 @@ def register(model: Model, target: Targets = None, align: Optional[str] = None, 
 @dataclass
 class Frame:
     """One frame of track(). positions: a list of [n][3] mm, one for each structure; report: of its last tick; jumped:
-    the target lay beyond reach; settled: there was nothing more to do; registration: to read anything else from."""
+    the target lay beyond reach; settled: there was nothing more to do; recovering: coarse radii still run after a jump;
+    serial: frames set up to the one that the positions follow; registration: to read anything else from."""
     number: int
     positions: List[Array]
     report: TickReport
     jumped: bool
     settled: bool
+    recovering: bool
+    serial: int
     registration: Registration = field(repr=False)
 
 
@@ -1310,7 +1320,7 @@ def track(model: Model, frames: Iterable[Any], align: Optional[str] = None, star
                 pass
         report = s.report
         yield Frame(number, [s.positions(i) for i in range(len(model))], report, bool(report.details.jumped),
-                    bool(report.details.settled), s)
+                    bool(report.details.settled), bool(report.details.recovering), report.details.target_serial, s)
 
 
 # ------------------------------------------------------------------ carried points

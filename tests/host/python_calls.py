@@ -283,8 +283,10 @@ def targets(model, rest, triangles, now):
     refused("voxels of int32", TypeError, "convert them", smr.Volume, np.zeros((3, 3, 3), np.int32), (1, 1, 1))
     refused("an image without profiles", smr.SmrError, "reference=", smr.register, model,
             smr.Volume(np.zeros((3, 3, 3)), (1, 1, 1)))
-    jump = [frame.jumped for frame in smr.track(model, [(now, triangles), now + 1, now + 120])]
-    check(f"a jump is seen: {jump}", jump == [False, False, True])
+    jump = [(frame.jumped, frame.recovering, frame.serial, frame.registration.pose(0)[1])
+            for frame in smr.track(model, [(now, triangles), now + 1, now + 120], ticks=9)]
+    check(f"a jump is seen: {jump}", [one[:3] for one in jump] == [(False, False, 1), (False, False, 2), (True, False, 3)])
+    check("a pose says how far its target is", jump[1][3] < 2.0 and np.isnan(jump[2][3]))
     carry = smr.Carry(model, rest[:7])
     check("a vertex is carried to its place", np.abs(carry.apply(now) - now[:7]).max() < 1e-3)
     check("and back", np.abs(carry.map(now, now[:7], inverse=True)[0] - rest[:7]).max() < 0.02)

@@ -29,10 +29,11 @@ check "says of how many frames which are good" grep -q '^4 frames: 4 good, 0 to 
 check "and what the last one is" said "verdict of the last frame, f3: good (expected error "
 check "no other is worse" [ "$(grep -c '^verdict' out.txt)" -eq 1 ]
 check "writes a line for each frame" [ "$(wc -l <out/track.csv)" -eq 5 ]
-check "says what is in it" [ "$(head -n 1 out/track.csv)" = "frame,time_s,ticks,residual_mm,verdict,settled,jumped" ]
+check "says what is in it" [ "$(head -n 1 out/track.csv)" = "frame,time_s,ticks,residual_mm,verdict,settled,jumped,recovering,target_serial" ]
 check "counts the time" grep -q '^f3,0.3000,' out/track.csv
 for i in 0 1 2 3; do check "writes frame $i" [ -s "out/f$i/bone.ply" ]; done
-check "settles" [ "$(grep -c ',1,0$' out/track.csv)" -eq 4 ]
+check "settles" [ "$(grep -c ',1,0,0,[1-9][0-9]*$' out/track.csv)" -eq 4 ]
+check "numbers the targets" awk -F, 'NR > 1 && !($9 > last) { bad = 1 } { last = NR > 1 ? $9 : 0 } END { exit bad }' out/track.csv
 check "is near" awk -F, 'NR > 1 && $4 > 1 { bad = 1 } END { exit bad }' out/track.csv
 check "moves" sh -c '! cmp -s out/f0/bone.ply out/f3/bone.ply'
 "$SMR" track --model bone.ply --frames frames/*.ply --fps 10 --threads 3 --quiet -o again >quiet.txt 2>&1
@@ -66,11 +67,11 @@ has_places() { "$SMR" carry --result with/f0 --points "$1" -o again.csv --quiet 
 carried() {
     "$SMR" carry --result "$2/$1" --points "$3" -o carried.csv --quiet || return 1
     awk -F, 'NR > 1 { print $(NF - 2); print $(NF - 1); print $NF }' carried.csv >wanted.txt
-    grep "^$1," "$2/track.csv" | cut -d, -f8- | tr , '\n' | paste -d, wanted.txt - | awk -F, '
+    grep "^$1," "$2/track.csv" | cut -d, -f10- | tr , '\n' | paste -d, wanted.txt - | awk -F, '
         { d = $1 - $2; if (d * d > 1e-8 || $2 == "") { print NR ": " $0; bad = 1 } } END { exit bad || NR != 63 }'
 }
 check "takes points along" has_verdict look "$SMR" track --model bone.ply --frames frames/*.ply --points points.csv -o with
-check "names them" grep -q '^frame,.*,jumped,p0_x,p0_y,p0_z,p1_x,.*,p19_z,"left, ""deep""_x"' with/track.csv
+check "names them" grep -q '^frame,.*,jumped,recovering,target_serial,p0_x,p0_y,p0_z,p1_x,.*,p19_z,"left, ""deep""_x"' with/track.csv
 for i in 0 3; do check "to where carry does, frame $i" carried "f$i" with points.csv; done
 check "they move" sh -c '! cmp -s with/f0/points.csv with/f3/points.csv'
 check "no other bit changes" cmp out/f3/bone.ply with/f3/bone.ply
@@ -82,7 +83,7 @@ for format in fcsv mrk.json; do
 done
 check "from a surface" has_verdict look "$SMR" track --model bone.ply --frames frames/f[01].ply --points bone.ply -o surface
 check "whose vertices go where the model's do" cmp surface/f1/points.ply surface/f1/bone.ply
-check "and which have numbers" grep -q '^frame,.*,jumped,1_x,1_y,1_z,2_x' surface/track.csv
+check "and which have numbers" grep -q '^frame,.*,jumped,recovering,target_serial,1_x,1_y,1_z,2_x' surface/track.csv
 check "a mirrored model" has_verdict look "$SMR" track --model bone.ply --mirror-model x --frames frames/f[01].ply --points points.csv -o mirror
 check "takes points as its files have them" carried f1 mirror points.csv
 refuses "points that are not there" "none.csv" --model bone.ply --frames frames/f0.ply --points none.csv
@@ -124,15 +125,15 @@ for i in 0 1 2; do image "i$i.mha" "$((3 * i))" "$((3 * i))"; done
 printf 'label,x,y,z\nspot,-80,0,-60\n' >inside.csv
 check "follows images" has_verdict look "$SMR" track --model thigh/model/femur.ply thigh/model/vastus_intermedius.ply --reference thigh/mri_reference.mha --frames i0.mha i1.mha i2.mha --points inside.csv -o images
 check "as far as they go" awk -F, '
-    NR == 2 { x = $8; y = $9; z = $10 }
+    NR == 2 { x = $10; y = $11; z = $12 }
     function off(a, b) { return a < b ? b - a : a - b }
-    END { exit !(NR == 4 && off($8 - x, 6) < 0.5 && off($9, y) < 0.5 && off($10 - z, -6) < 0.7) }' images/track.csv
+    END { exit !(NR == 4 && off($10 - x, 6) < 0.5 && off($11, y) < 0.5 && off($12 - z, -6) < 0.7) }' images/track.csv
 check "all of them good" awk -F, 'NR > 1 && $5 != "good" { bad = 1 } END { exit bad }' images/track.csv
 
 # A shaft that goes along itself is missed at its ends only.
 image along.mha 0 20
 check "follows a jump along the thigh" has_status 0 "$SMR" track --model thigh/model/femur.ply thigh/model/vastus_intermedius.ply --reference thigh/mri_reference.mha --frames i0.mha along.mha --points inside.csv --ticks 60 -o along
-check "and says so" awk -F, 'NR > 1 { jumps = jumps $7; y = $10 - last; last = $10 } END { exit !(jumps == "01" && y < -19.5 && y > -20.5) }' along/track.csv
+check "and says so" awk -F, 'NR > 1 { jumps = jumps $7; y = $12 - last; last = $12 } END { exit !(jumps == "01" && y < -19.5 && y > -20.5) }' along/track.csv
 
 # A patient's coarse image again and again: nothing moves, and what the image does not hold is not called good.
 for i in 0 1 2 3; do ln -s thigh/mri_patient.mha "still$i.mha"; done
@@ -166,7 +167,7 @@ check "changes no table" cmp out/track.csv page/track.csv
 check "and no result" cmp out/f3/bone.ply page/f3/bone.ply
 grep -o '"number":[0-9]*,"name":"[^"]*","time_s":[^,]*,"ticks":[0-9]*,"residual_mm":[^,]*,"verdict":"[a-z]*","settled":[a-z]*,"jumped":[a-z]*' page/report.html |
     sed 's/"[a-z_]*"://g; s/"//g; s/true/1/g; s/false/0/g' | awk -F, '{ printf "%s,%.4f,%s,%.4f,%s,%s,%s\n", $2, $3, $4, $5, $6, $7, $8 }' >rows.txt
-check "has the table's rows" sh -c "sed 1d page/track.csv | cmp - rows.txt"
+check "has the table's rows" sh -c "sed 1d page/track.csv | cut -d, -f1-7 | cmp - rows.txt"
 # The last frame's places, decoded, are those of its file to half a step of 16 bits and a rounding.
 "$tool" convert page/f3/bone.ply obj last.obj
 grep -o '"places":\[{[^}]*}' page/report.html | tail -n 1 >place.json

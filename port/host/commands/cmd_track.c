@@ -150,14 +150,15 @@ static int follow(tracked *t, const host_frame *frame, smr_status status, host_f
 static void add_line(tracked *t, uint32_t number, const host_frame *frame, const host_frame_report *r)
 {
     if (number == 0) {
-        host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped");
+        host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped,recovering,target_serial");
         host_track_points_columns(&t->points, &t->csv);
         host_buffer_print(&t->csv, "\n");
     }
     host_csv_text(&t->csv, frame->name, "");
-    host_buffer_print(&t->csv, ",%.4f,%u,%.4f,%s,%u,%u", number / t->options.fps, r->ticks,
+    host_buffer_print(&t->csv, ",%.4f,%u,%.4f,%s,%u,%u,%u,%u", number / t->options.fps, r->ticks,
                       (double)r->last.residual_mean_mm, host_verdict_name((int)r->verdict.level),
-                      r->last.details.settled, r->last.details.jumped);
+                      r->last.details.settled, r->last.details.jumped, r->last.details.recovering,
+                      r->last.details.target_serial);
     host_track_points_row(&t->points, &t->csv);
     host_buffer_print(&t->csv, "\n");
     host_track_note(&t->verdict, r);
