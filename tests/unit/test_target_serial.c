@@ -151,6 +151,11 @@ TEST(test_recovering)
         }
     }
     assert_true(n > 10u && r.details.jumped && !recovers(s));
+    twin = rig_restored(s, e.model, &e.config);
+    assert_int_equal(SMR_OK, smr_set_surface(twin, SMR_ALL, e.at[2]));
+    assert_false(recovers(twin));
+    assert_int_equal(SMR_OK, smr_tick(twin, 0, &r)); /* nothing is left to do */
+    assert_int_equal(2, r.details.target_serial);
 }
 
 static const void *input_of(void *ctx, const smr_log_record *record)
