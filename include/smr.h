@@ -144,8 +144,7 @@ typedef struct smr_basic_config {
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;
     /* share, [0, 1], default 0.5. Share of a vertex' motion along the surface, relative to its neighbours' motion, that
-     * is undone. `even` acts at the last radius, on structures with a target surface, and is 0 in the last
-     * iteration. */
+     * is undone, at the last radius, on structures with a target surface; 0 in the last iteration. */
     float even;
 } smr_basic_config;
 
@@ -206,7 +205,7 @@ typedef struct smr_tick_details {
      * searched: search distances in images may end at 0. -1: no search since an input was set. */
     float matched_share;
     float attraction_used;                  /* config.basic.attraction if target vertices attracted the model, else 0 */
-    float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest of |goal - x|; -1: not measured */
+    float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest residual; -1: not measured */
     uint64_t phase_ns[SMR_PHASES];          /* ns; time of this tick in each phase; 0 without a clock */
     uint32_t plastic_updates;               /* number of times x^r = x since the start */
     uint32_t tracking;   /* 1: the schedule has ended and the model follows targets (config.track); done stays 0 */
@@ -226,8 +225,9 @@ typedef struct smr_tick_report {
     uint32_t converged;
     float progress;    /* completed share of the schedule's iterations, 0..1 */
     uint32_t n_forces; /* number of vertices with an external force */
-    /* mm. Mean of |goal - x| over the n_forces vertices in the last complete evaluation of forces. -1: no vertex had a
-     * goal, or a target, the image or positions were set since; n_active, n_forces and n_rejected are then 0. */
+    /* mm. Mean distance of visible vertices to their target surface; to their goals on a cloud, in an image and at
+     * landmarks. -1: not measured in the last complete forces, or since a target, the image or positions were set;
+     * n_active, n_forces and n_rejected are then 0. */
     float residual_mean_mm;
     float displacement_max_mm; /* mm. Largest displacement of a vertex in the last complete iteration */
     uint64_t state_hash;       /* smr_state_hash(): equal bits have an equal hash on every processor */
@@ -899,8 +899,7 @@ typedef struct smr_forces_config {
 typedef struct smr_motion_config {
     float relaxation; /* share, (0, 1], default 1. Step length: x += relaxation * (averaged goal - x) */
     float momentum;   /* share, [0, 0.99], default 0.8, 0.7. Share of the last displacement added to the forces */
-    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, where momentum moves vertices along the
-     * surface. */
+    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, where it moves vertices along the surface. */
     float momentum_last;
     float plastic_um; /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below this */
     /* iterations, [0, 1000], default 1, 5. x^r = x also after this many iterations. 0: x^r = x only at rest
@@ -927,8 +926,7 @@ typedef struct smr_motion_config {
 typedef struct smr_schedule_config {
     uint32_t radius_first; /* index, default 0. Index of the first radius used */
     uint32_t radius_last;  /* index, default SMR_FINEST. Index of the last radius used, not below radius_first */
-    /* share, [0, 1], default 1. Active share at the schedule's start, if below active_share; the share grows to
-     * active_share. */
+    /* share, [0, 1], default 1. Active share at the schedule's start, if below active_share, to which it grows. */
     float active_first;
     /* vertices, [0, 1000000], default 30. With an image, this many active vertices in the smallest cluster suffice, if
      * 1,000 vertices of the whole model are active, too; the iteration ignores all other vertices. The number of active

@@ -152,7 +152,7 @@ TEST(test_outliers)
     search(t.s);
     assert_int_equal(0, t.s->forces.totals.n_rejected); /* nothing is known yet */
     const float limit = t.s->forces.surface.limit;
-    assert_true(limit > t.s->forces.totals.mean && limit < t.s->forces.totals.max);
+    assert_true(limit > t.s->forces.totals.goal_mean && limit < t.s->forces.totals.max);
     search(t.s);
     assert_true(t.s->forces.totals.n_rejected > 0u && t.s->forces.totals.n_rejected < t.s->shared.n / 4u);
     assert_true(t.s->forces.totals.max <= limit);

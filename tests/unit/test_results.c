@@ -94,4 +94,40 @@ TEST(test_structure_report) { check_report(0.0f); }
 /* What momentum adds to the forces is no residual. */
 TEST(test_structure_report_with_momentum) { check_report(0.8f); }
 
+/* The residual is the distance of visible vertices to the target, not that to goals, which plasticity takes away. The
+ * goal is a ball of another mesh, as a whole or open at a third. */
+TEST(test_residual_is_the_distance_to_the_target)
+{
+    const smr_mesh ball = rig_ball(20, 15, 20, none);
+    const smr_prepare_config radii = rig_radii(3, 25, 12, 4);
+    for (uint32_t open = 0; open < 2u; open++) {
+        smr_mesh goal = rig_ball(22, 12, 18, none);
+        smr_config config = smr_config_default();
+        smr_structure_report part;
+        smr_verdict verdict;
+        unsigned char visible[1024];
+        double sum = 0.0, n = 0.0;
+        goal.n_triangles -= open * (goal.n_triangles / 3u);
+        config.basic.n_target_vertices = goal.n_vertices;
+        smr *s = rig_init(rig_model(&ball, 1, &radii), &config, NULL);
+        const smr_surface *target = rig_surface(&goal);
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, target));
+        const smr_tick_report r = rig_run(s, 1000);
+        const float *x = rig_positions(s, s->shared.model);
+        assert_int_equal(SMR_OK, smr_get_visible(s, 0, visible));
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
+        assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
+        for (uint32_t v = 0; v < ball.n_vertices; v++) {
+            smr_closest hit;
+            assert_int_equal(SMR_OK, smr_surface_closest(target, x + 3u * (size_t)v, NULL, -1.0f, 100.0f, &hit));
+            sum += visible[v] ? (double)hit.distance : 0.0;
+            n += visible[v] ? 1.0 : 0.0;
+        }
+        assert_true(r.done && sum / n > 0.01 && n > 150.0 && (open ? n < 250.0 : n > 280.0));
+        assert_true(fabs((double)r.residual_mean_mm - sum / n) < 0.02 * sum / n);
+        assert_true(fabsf(r.residual_mean_mm - verdict.residual_mm) < 0.02f * verdict.residual_mm);
+        assert_true(fabsf(r.residual_mean_mm - part.residual_mean_mm) < 1.0e-4f);
+    }
+}
+
 int main(void) { return suite_run(NULL, NULL); }

@@ -196,7 +196,7 @@ void smr_tracking_find_jump(smr *s)
 {
     /* pulls leave out residuals beyond their scale, so the mean of goals alone is small after a jump */
     const float more = smr_residual_typical(&s->forces.surface) - s->schedule.noise_mm;
-    const float mean = smr_max(s->forces.totals.mean, more), reach = reach_mm(s);
+    const float mean = smr_max(s->forces.totals.goal_mean, more), reach = reach_mm(s);
     if (!s->schedule.tracking || s->schedule.recovering || s->schedule.radius_iteration > 0u)
         return;
     const float enough = s->forces.image.has_image ? SMR_TRACK_LOST : SMR_TRACK_FEWER;

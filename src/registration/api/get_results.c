@@ -26,19 +26,22 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 /* Fills in the results of a structure's last complete forces. */
 static void report_forces(const smr *s, const smr_shape_structure *one, smr_structure_report *report)
 {
-    float sum = 0.0f, most = 0.0f;
+    float sum = 0.0f, most = 0.0f, n = 0.0f;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         report->n_rejected += s->forces.found_last[v] >= SMR_FOUND_NONE;
         if (s->forces.found_last[v] != SMR_FOUND_GOAL)
             continue;
         report->n_forces++;
+        if (s->forces.residual[v] < 0.0f)
+            continue;
+        n += 1.0f;
         sum += s->forces.residual[v];
         most = smr_max(most, s->forces.residual[v]);
     }
-    if (report->n_forces == 0u)
+    if (!(n > 0.0f))
         return;
-    report->residual_mean_mm = sum / (float)report->n_forces;
+    report->residual_mean_mm = sum / n;
     report->residual_max_mm = most;
 }
 

@@ -66,26 +66,32 @@ void smr_forces_search(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
     for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec displacement;
+        float residual = SMR_FAR;
         if (looks && v + 1u < n_active)
             smr_image_ahead(&f->image, v + 1u); /* prefetch: reading voxels takes as long as the work on a vertex */
-        f->found[v] = smr_sources_goal(f, v, &displacement);
+        f->found[v] = smr_sources_goal(f, v, &displacement, &residual);
         smr_put3(f->force, v, displacement);
+        if (f->found[v] == SMR_FOUND_GOAL) /* plasticity ends the distance to a goal, but not that to the target */
+            f->residual[v] = residual < SMR_FAR ? residual : smr_length(displacement);
     }
 }
 
-/* Adds the distance to the goal and the kind of result to the task's tally. */
-static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *tally)
+/* Adds the distance to the goal, the residual and the kind of result to the task's tally. */
+static void count(const smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *tally)
 {
-    tally->forces.n_with_target += f->found[v] != SMR_FOUND_NO_TARGET;
-    tally->forces.n_forces += f->found[v] == SMR_FOUND_GOAL;
-    tally->forces.n_rejected += f->found[v] >= SMR_FOUND_NONE;
+    tally->forces.n_rejected = (uint8_t)(tally->forces.n_rejected + (f->found[v] >= SMR_FOUND_NONE));
     if (f->found[v] != SMR_FOUND_GOAL)
         return;
-    const float d2 = smr_dot(displacement, displacement), d = SMR_SQRT(d2);
-    tally->forces.sum += d;
-    tally->forces.sum2 += d2;
-    tally->forces.max = smr_max(tally->forces.max, d);
-    f->residual[v] = d;
+    tally->forces.n_forces++;
+    const float d2 = smr_dot(displacement, displacement), r = f->residual[v];
+    tally->forces.goal_sum += SMR_SQRT(d2);
+    tally->forces.goal_sum2 += d2;
+    if (r < 0.0f)
+        return;
+    tally->forces.n_residuals++;
+    tally->forces.sum += r;
+    tally->forces.sum2 += r * r;
+    tally->forces.max = smr_max(tally->forces.max, r);
 }
 
 uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
@@ -222,25 +228,29 @@ static void bound_closely(const smr_forces *f, float largest[2])
 void smr_forces_end(smr_forces *f)
 {
     smr_force_totals all = {0};
-    float sum = 0.0f, sum2 = 0.0f;
+    float sum = 0.0f, sum2 = 0.0f, goal_sum = 0.0f, goal_sum2 = 0.0f;
     for (uint32_t t = 0; t < f->shared->n_tasks; t++) {
         const smr_tally *one = &f->tally[t];
+        goal_sum += one->forces.goal_sum;
+        goal_sum2 += one->forces.goal_sum2;
         sum += one->forces.sum;
         sum2 += one->forces.sum2;
         all.max = smr_max(all.max, one->forces.max);
         all.n_forces += one->forces.n_forces;
+        all.n_residuals += one->forces.n_residuals;
         all.n_rejected += one->forces.n_rejected;
-        all.n_with_target += one->forces.n_with_target;
         all.largest[0] = smr_max(all.largest[0], one->forces.largest[0]);
         all.largest[1] = smr_max(all.largest[1], one->forces.largest[1]);
     }
     if (f->shared->mass != NULL)
         bound_closely(f, all.largest);
-    const float n = all.n_forces > 0u ? (float)all.n_forces : 1.0f, square = sum2 / n;
-    all.mean = sum / n;
-    all.rms = SMR_SQRT(square);
+    const float n = (float)smr_max_u32(all.n_forces, 1u), measured = (float)smr_max_u32(all.n_residuals, 1u);
+    all.n_with_target = all.n_forces + all.n_rejected;
+    all.goal_mean = goal_sum / n;
+    all.mean = sum / measured;
+    all.rms = SMR_SQRT(sum2 / measured);
     f->totals = all;
-    f->surface.limit = smr_reject_limit(&f->shared->config, all.n_forces, all.mean, square);
+    f->surface.limit = smr_reject_limit(&f->shared->config, all.n_forces, all.goal_mean, goal_sum2 / n);
     note_matched(f);
     memcpy(f->found_last, f->found, f->shared->n); /* only now, since a new target could have restarted the forces */
     smr_sources_commit(f);

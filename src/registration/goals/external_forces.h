@@ -14,7 +14,9 @@ typedef struct smr_force_totals {
     uint32_t n_with_target; /* active vertices with a target */
     uint32_t n_forces;      /* active vertices with a goal */
     uint32_t n_rejected;    /* active vertices with a target but without a goal */
-    float mean, rms, max;   /* residual over all active vertices with a goal, mm */
+    uint32_t n_residuals;   /* active vertices with a goal and a residual */
+    float goal_mean;        /* mean distance to the goal over all active vertices with a goal, mm */
+    float mean, rms, max;   /* residual of the n_residuals vertices, mm */
     float largest[2];       /* bounds on the two kinds of terms of the cluster sums: m u, and m u times a position */
 } smr_force_totals;
 
@@ -32,7 +34,7 @@ typedef struct smr_forces {
     smr_contact contact;
     smr_tally *tally;
     float *force;        /* [n][3] force, mm; during the search: displacement to the goal, mm */
-    float *residual;     /* [n] residual of each vertex with a goal, mm */
+    float *residual;     /* [n] distance of a vertex to its target mesh, or else to its goal, mm; -1: hardly visible */
     uint8_t *found;      /* [n] SMR_FOUND_... of the current forces */
     uint8_t *found_last; /* [n] SMR_FOUND_... of the last complete forces */
     smr_force_totals totals;
@@ -79,7 +81,8 @@ void smr_sources_reset(smr_forces *f);
 void smr_sources_commit(smr_forces *f);           /* when forces are complete: each source keeps its results */
 void smr_sources_drop(smr_forces *f, uint32_t v); /* clears the pulls on a vertex that does not use them */
 
-/* The displacement from v to its goal, mm: the weighted mean over all sources. Returns SMR_FOUND_... */
-uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement);
+/* The displacement from v to its goal, mm: the weighted mean over all sources. *residual: distance to the closest point
+ * on a target mesh, mm; -1: hardly visible, by at most a half; unchanged without such a point. Returns SMR_FOUND_... */
+uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual);
 
 #endif

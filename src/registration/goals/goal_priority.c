@@ -78,25 +78,30 @@ void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &displacement);
 }
 
-/* Finds the displacement of v to a goal on its mesh or cloud, mm; judges its visibility. Returns 0 without a goal. */
-static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
+/* Finds the displacement of v to a goal on its mesh or cloud, and the residual, mm; judges the visibility. Returns 0
+ * without a goal. */
+static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement, float *residual)
 {
     smr_surface_goals *g = &f->surface;
     smr_surface_find find;
     if (smr_is_points(drawn->surface))
         return smr_point_goal(g, v, displacement);
     const int found = smr_surface_goal(g, v, drawn->surface, displacement, &find);
-    if (SMR_HAS_PARTIAL && find.hit.triangle != SMR_NONE &&
-        smr_visibility_judged(g, smr_model_owner(f->shared->model, v)))
+    if (find.hit.triangle == SMR_NONE)
+        return found;
+    if (SMR_HAS_PARTIAL && smr_visibility_judged(g, smr_model_owner(f->shared->model, v)))
         smr_visibility_judge(g, v, drawn->surface, &find.hit, find.displacement);
+    const int hardly = SMR_HAS_PARTIAL && drawn->partial && g->visibility_next[v] <= SMR_VISIBLE_ONE / 2u;
+    *residual = hardly ? -1.0f : SMR_SQRT(find.hit.d2);
     return found;
 }
 
 /* Finds the displacement of v to a surface goal, mm, averaged with an image goal and with the field of occluded
  * vertices. With a partial target the surface goal's weight is the visibility of v. Returns SMR_FOUND_... */
-static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
+static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement,
+                               float *residual)
 {
-    const int found = goal_on_target(f, v, drawn, displacement), rest = smr_field_of_rest(&f->occluded, v);
+    const int found = goal_on_target(f, v, drawn, displacement, residual), rest = smr_field_of_rest(&f->occluded, v);
     const int partial = SMR_HAS_PARTIAL && drawn->partial, landmarks = smr_landmarks_on(&f->landmarks);
     const int goal = partial ? f->surface.visibility_next[v] > 0u : found;
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
@@ -153,7 +158,7 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
 
 /* Finds the displacement of v to its goal, mm, without goals of the caller; 0 for a vertex without triangles, unless it
  * follows landmarks. Returns SMR_FOUND_... */
-static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
+static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
     const int image = smr_image_on(&f->image);
@@ -169,12 +174,12 @@ static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
         return SMR_FOUND_NO_TARGET;
     }
     return SMR_HAS_IMAGE && drawn->surface == NULL ? goal_in_image(f, v, displacement)
-                                                   : goal_on_surface(f, v, drawn, displacement);
+                                                   : goal_on_surface(f, v, drawn, displacement, residual);
 }
 
-uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement)
+uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual)
 {
-    const uint8_t found = goal_of_own(f, v, displacement);
+    const uint8_t found = goal_of_own(f, v, displacement, residual);
     const float weight = found == SMR_FOUND_GOAL ? 1.0f : 0.0f;
     if (f->caller.calls == NULL)
         return found;

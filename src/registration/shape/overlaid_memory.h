@@ -26,9 +26,10 @@
 /* Results of a task for the end of its step, which reduces the results in task order. */
 typedef union smr_tally {
     struct {
-        float sum, sum2, max; /* sum, mm, sum of squares, mm^2, and maximum, mm, of the residuals */
-        float largest[2];     /* largest values of the two kinds of quantities in the cluster sums */
-        uint32_t n_forces, n_rejected, n_with_target;
+        float goal_sum, goal_sum2; /* sum, mm, and sum of squares, mm^2, of the distances to goals */
+        float sum, sum2, max;      /* sum, mm, sum of squares, mm^2, and maximum, mm, of the residuals */
+        float largest[2];          /* largest values of the two kinds of quantities in the cluster sums */
+        uint8_t n_forces, n_rejected, n_residuals; /* at most SMR_CHUNK */
     } forces;
     struct {
         float deviation2; /* largest squared distance of x^r from the rest shape in its pose, mm^2 */

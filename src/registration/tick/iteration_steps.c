@@ -18,9 +18,9 @@ static void forces_end(smr *s)
     const int attracts = smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u;
     s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
     s->report.details.matched_share = s->forces.matched;
-    s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
-    s->report.details.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
-    s->report.details.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
+    s->report.residual_mean_mm = t->n_residuals > 0u ? t->mean : -1.0f;
+    s->report.details.residual_rms_mm = t->n_residuals > 0u ? t->rms : -1.0f;
+    s->report.details.residual_max_mm = t->n_residuals > 0u ? t->max : -1.0f;
     if (smr_tracks(&s->schedule))
         smr_tracking_find_jump(s);
     if (smr_visibility_on(&s->forces.surface))
