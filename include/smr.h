@@ -987,7 +987,7 @@ typedef struct smr_carry smr_carry;
  * smr_model_mesh() or the caller's meshes. n_points may be 0. A point takes about 20 us. memory (SMR_ALIGN-aligned,
  * smr_carry_bytes()) holds the map and must keep its address; rest and points may be freed afterwards. The call copies
  * port; later calls also use port's ctx and functions; port NULL means one worker.
- * Errors: E_NULL, E_ALIGN, E_INPUT, E_ARENA, E_STATE (the port's worker number). */
+ * Errors: E_NULL, E_ALIGN, E_INPUT, E_ARENA, E_STATE (the port, as in smr_tick()). */
 smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry);

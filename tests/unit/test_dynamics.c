@@ -104,6 +104,54 @@ TEST(test_rests_and_falls)
     assert_true(after.elastic_uj < 1e-4f * after.kinetic_uj);
 }
 
+/* A damped fall and a damped throw are those of implicit Euler: v' = (v + h g) / (1 + h c), x' = x + h v'. */
+TEST(test_damped_fall)
+{
+    set_up();
+    e.config.dynamics.gravity[1] = -9810.0f;
+    for (uint32_t i = 0; i < 6u; i++) {
+        static const float rates[] = {1.0f, 20.0f, 300.0f};
+        const double h = 1e-3 * (double)e.config.dynamics.step_ms, c = (double)rates[i % 3u];
+        double x = 0.0, v = i < 3u ? 0.0 : 2000.0;
+        e.config.dynamics.damping = rates[i % 3u];
+        smr *s = rig_init(e.model, &e.config, NULL);
+        const smr_energy before = rig_energy(s);
+        for (uint32_t k = 0; k < e.n; k++)
+            e.speed[3u * k + 1u] = (float)v;
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+        rig_steps(s, 43);
+        for (uint32_t k = 0; k < 43u; k++) {
+            v = (v - 9810.0 * h) / (1.0 + h * c);
+            x += h * v;
+        }
+        const smr_energy after = rig_energy(s);
+        assert_true(fabs((double)(after.centre[1] - before.centre[1]) - x) < 1e-4 * fabs(x) + 0.01);
+        assert_true(fabs((double)after.kinetic_uj - 0.0005 * (double)after.mass_g * v * v) <
+                    1e-3 * (double)after.kinetic_uj);
+        assert_true(after.elastic_uj < 1e-3f * after.kinetic_uj);
+        for (uint32_t k = 0; k < 3u * e.n; k++)
+            e.speed[k] = 0.0f;
+    }
+}
+
+/* How far a model hangs below its springs does not depend on the damping: g / (k stiffness). */
+TEST(test_damping_leaves_the_sag)
+{
+    set_up();
+    e.config.dynamics.gravity[1] = -9810.0f;
+    e.config.caller.goals = 1;
+    for (uint32_t i = 0; i < 3u; i++) {
+        static const float rates[] = {20.0f, 90.0f, 400.0f};
+        e.config.dynamics.damping = rates[i];
+        smr *s = rig_init(e.model, &e.config, NULL);
+        const float before = rig_energy(s).centre[1], k = e.config.dynamics.elastic * e.config.forces.stiffness;
+        assert_int_equal(SMR_OK, smr_set_goals(s, 0, bone.xyz, NULL));
+        rig_steps(s, 150);
+        const float sag = before - rig_energy(s).centre[1];
+        assert_true(fabsf(sag - 9810.0f / k) < 0.02f * 9810.0f / k);
+    }
+}
+
 /* Linear and angular momentum about the origin, of masses as they count. */
 static void momentum(const smr *s, double p[6])
 {

@@ -3,7 +3,8 @@
  * over x and the clusters' rigid transforms T_i in turn (incremental potential; Martin et al. 2011): for fixed x the
  * T_i are the match, for fixed T_i each vertex moves to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal (local
  * and global steps; Liu et al. 2013, Bouaziz et al. 2014; shape matching, Mueller et al. 2005). Both are a sweep, which
- * is an iteration. SMR_SWEEPS sweeps are a time step, after which v = (x - x before) / h, reduced by damping.
+ * is an iteration. SMR_SWEEPS sweeps are a time step, after which v = (x - x before) / h. Damping by the force -c M v
+ * divides h v, h^2 g and h^2 k by 1 + h c, as implicit Euler does.
  * The fits' weights are m_j = M_j / |zeta_j|. A sweep then is a polynomial of one operator, self-adjoint in the masses
  * M and between 0 and 1. It conserves linear and angular momentum, and for any number of sweeps and any stiffness the
  * step is one of implicit Euler with softer springs, whose energy does not grow.
@@ -46,9 +47,9 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
     const smr_config *c = &shared->config;
     d->shared = shared;
     d->step_s = 0.001f * c->dynamics.step_ms;
-    d->springs = c->dynamics.elastic * d->step_s * d->step_s;
     d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
-    d->fall = smr_scale(smr_load(c->dynamics.gravity), d->step_s * d->step_s);
+    d->springs = c->dynamics.elastic * d->step_s * d->step_s * d->keeps;
+    d->fall = smr_scale(smr_load(c->dynamics.gravity), d->step_s * d->step_s * d->keeps);
     for (uint32_t v = 0; v < shared->n; v++)
         d->mass[v] = smr_mass(shared, v);
 }

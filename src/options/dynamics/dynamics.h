@@ -48,9 +48,9 @@ typedef struct smr_step_sums {
 typedef struct smr_dynamics {
     const smr_shared *shared;
     float step_s;  /* h: length of a time step, s */
-    float springs; /* k h^2: ratio of elastic to inertial stiffness */
-    smr_vec fall;  /* h^2 g, with g the gravity: displacement by gravity in a time step, mm */
-    float keeps;   /* factor of damping on velocities in a time step */
+    float keeps;   /* 1 / (1 + h c), with c the damping: factor of damping on velocities in a time step */
+    float springs; /* keeps k h^2: ratio of elastic to inertial stiffness */
+    smr_vec fall;  /* keeps h^2 g, with g the gravity: displacement by gravity in a time step, mm */
     uint32_t ends; /* 1: the current iteration ends a time step */
     float gram;    /* unit of weights, g: the mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
@@ -76,10 +76,16 @@ static inline smr_vec smr_clamped(smr_vec a, float most)
     return smr_v(smr_clamp(a.x, -most, most), smr_clamp(a.y, -most, most), smr_clamp(a.z, -most, most));
 }
 
-/* Predicted position of vertex v at the end of the time step without springs, mm: y = x + h v + h^2 g. */
+/* The damped velocity of vertex v, mm/s. Pinned vertices are not damped. */
+static inline smr_vec smr_dynamics_speed(const smr_dynamics *d, uint32_t v)
+{
+    return smr_scale(smr_get3(d->velocity, v), d->mass[v] > 0.0f ? d->keeps : 1.0f);
+}
+
+/* Predicted position of vertex v at the end of the time step without springs, mm: y = x + keeps (h v + h^2 g). */
 static inline smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v)
 {
-    const smr_vec displacement = smr_scale(smr_get3(d->velocity, v), d->step_s), x = smr_get3(d->begin, v);
+    const smr_vec displacement = smr_scale(smr_dynamics_speed(d, v), d->step_s), x = smr_get3(d->begin, v);
     return smr_clamped(smr_add(smr_add(x, displacement), d->mass[v] > 0.0f ? d->fall : smr_v(0, 0, 0)), SMR_FARTHEST);
 }
 
@@ -96,7 +102,7 @@ static inline smr_vec smr_dynamics_ahead(const smr_dynamics *d, uint32_t v, smr_
 }
 
 /* The new position of vertex v in a sweep, mm: minimises m/2h^2 |x - y|^2 + m k/2 |x - average|^2 + m k share/2 |x -
- * goal|^2. share: stiffness of the spring to the goal divided by k; pull: share * goal. */
+ * goal|^2, with m / keeps for m. share: stiffness of the spring to the goal divided by k; pull: share * goal. */
 static inline smr_vec smr_dynamics_next(const smr_dynamics *d, uint32_t v, smr_vec average, float share, smr_vec pull)
 {
     const smr_vec y = smr_dynamics_free(d, v);

@@ -32,7 +32,7 @@ static void add_means(const smr *s, uint32_t v, smr_step_sums *own, smr_step_sum
     const float mass = smr_counted_mass(d, v);
     if (mass > 0.0f) {
         lead->mass += mass;
-        lead->speed = smr_add(lead->speed, smr_scale(smr_get3(d->velocity, v), mass));
+        lead->speed = smr_add(lead->speed, smr_scale(smr_dynamics_speed(d, v), mass));
         lead->displacement = smr_add(lead->displacement, smr_scale(displacement_of(s, v), mass));
         lead->middle = smr_add(lead->middle, smr_scale(next_of(s, v), mass));
         return;
@@ -97,29 +97,30 @@ static void end_turns(smr_dynamics *d, uint32_t n_structures)
 /* The displacement of a point by the rotation of its group, mm. */
 static smr_vec turned(const smr_step_sums *g, smr_vec x) { return smr_cross(g->spin, smr_sub(x, g->middle)); }
 
+/* Adds kinetic energies and work. A damped step is one of mass m / keeps without damping, from damped velocities. */
 static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, float sum[SMR_STEP_ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
-    const smr_vec all = smr_get3(d->velocity, v), speed = smr_sub(all, group->speed);
+    const smr_vec all = smr_dynamics_speed(d, v), speed = smr_sub(all, group->speed);
     const smr_vec displacement = smr_sub(displacement_of(s, v), group->displacement);
-    const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
-    sum[SMR_BEFORE] += 0.5f * mass * smr_dot(speed, speed);
-    sum[SMR_AFTER] += 0.5f * mass / h2 * smr_dot(displacement, displacement);
+    const float mass = smr_counted_mass(d, v), inert = mass / d->keeps, h2 = d->step_s * d->step_s;
+    sum[SMR_BEFORE] += 0.5f * inert * smr_dot(speed, speed);
+    sum[SMR_AFTER] += 0.5f * inert / h2 * smr_dot(displacement, displacement);
     const smr_vec spin = turned(group, next_of(s, v));
-    sum[SMR_SPIN] += 0.5f * mass / h2 * smr_dot(spin, spin);
+    sum[SMR_SPIN] += 0.5f * inert / h2 * smr_dot(spin, spin);
     sum[SMR_WORK] += mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), displacement);
     sum[SMR_PUSHED] += mass > 0.0f || !(smr_dot(all, all) > 0.0f) ? 0.0f : 1.0f;
 }
 
-/* Adds elastic energy: half the product of force and deviation (Clapeyron). The force is M (x - y) / h^2. The rigid
- * motion of pinned vertices off the reference shape does no work. */
+/* Adds elastic energy: half the product of force and deviation (Clapeyron). The force is M (x - y) / keeps h^2. The
+ * rigid motion of pinned vertices off the reference shape does no work. */
 static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, const smr_step_sums *own,
                         float sum[SMR_STEP_ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
     const smr_vec x = next_of(s, v), rigid = smr_add(own->off, smr_cross(own->turn, smr_sub(x, own->centre)));
     const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
-    smr_vec force = smr_scale(smr_sub(x, smr_dynamics_free(d, v)), mass / h2);
+    smr_vec force = smr_scale(smr_sub(x, smr_dynamics_free(d, v)), mass / (d->keeps * h2));
     if (!(mass > 0.0f))
         return;
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
@@ -222,7 +223,7 @@ static void find_shares(smr_dynamics *d, uint32_t lead)
 void smr_step_velocities(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
-    const float per_s = d->keeps / d->step_s;
+    const float per_s = 1.0f / d->step_s;
     d->stored.elastic = d->stored.goals = 0.0f;
     for (uint32_t k = 0; k < s->shared.n_structures; k++)
         if (d->group[k] == k)
