@@ -102,7 +102,7 @@ smr_prepare_config smr_prepare_config_default(void);
  * With model NULL smr_prepare() only computes *model_bytes. Where model_capacity is too small, smr_prepare() returns
  * E_ARENA and *model_bytes holds the needed size. No macro bounds scratch or model for static storage: run
  * smr_prepare_bytes() and smr_prepare() with model NULL once for the structures, and use the returned sizes.
- * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED. */
+ * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED, E_STATE (the port, as in smr_tick()). */
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                              size_t *scratch_bytes);
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
@@ -241,8 +241,9 @@ typedef struct smr_tick_report {
  * SMR_PARTIAL. The last complete positions then stay valid, and the next tick resumes the iteration. Every tick does at
  * least one chunk of work. Once the schedule has ended, a tick changes nothing. report may be NULL.
  * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are missing after
- * smr_restore(); called from within a tick; the caller's force broke its contract; the port used an illegal worker
- * number; then the last complete positions stay, and ticks return E_STATE until smr_set_pose() or _positions()). */
+ * smr_restore(); called from within a tick; the caller's force broke its contract; the port left out a task or used an
+ * illegal worker number; then the last complete positions stay, and ticks return E_STATE until smr_set_pose() or
+ * smr_set_positions()). */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
 /* Copies a structure's positions to xyz[n_vertices][3], mm, in the caller's order. Errors: E_NULL, E_INPUT, E_STATE. */
@@ -290,7 +291,7 @@ const char *smr_reason_text(uint32_t bit);
 
 /* ------------------------------------------------------------------ 7. threads, clock, further reports */
 /* Runs one task of a parallel loop. worker is in 0..n_workers-1, and only one thread uses a worker number at a time. A
- * task with another number is not run, and smr_tick() returns SMR_E_STATE. */
+ * task with another number is not run. Where a task has not run, the call that needs it returns SMR_E_STATE. */
 typedef void (*smr_task)(void *arg, uint32_t task, uint32_t worker);
 
 /* Threads and clock that the platform provides; see docs/PORTING.md. */
@@ -994,7 +995,7 @@ smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *po
 
 /* Writes the bound points' present places to xyz[n_points][3] mm. now[n_vertices][3] mm: the vertices' present places
  * in the order of rest (smr_get_positions() for each structure). Two threads must not use a map at the same time.
- * Errors: E_NULL, E_STATE (not a map, or a copy of its memory; the port's worker number), E_INPUT. */
+ * Errors: E_NULL, E_STATE (not a map, or a copy of its memory; the port, as in smr_tick()), E_INPUT. */
 smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz);
 
 typedef struct smr_carry_fact {
@@ -1027,8 +1028,8 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
  * alone decide. A save holds checksums of model and inputs instead of their contents; the checksums take one pass over
  * each. Save only between complete iterations: after SMR_PARTIAL, tick until SMR_OK.
  * Errors: E_NULL, E_ARENA, E_STATE (not a registration; called from within a tick; an iteration is under way; a target
- * surface has changed; inputs are missing; the port used an illegal worker number, or the caller's force broke its
- * contract; a coordinate is beyond 2e6 mm, and memory is then overwritten). */
+ * surface has changed; inputs are missing; the port or the caller's force broke its contract; a coordinate is beyond
+ * 2e6 mm, and memory is then overwritten). */
 smr_status smr_save_bytes(const smr *s, size_t *bytes);
 smr_status smr_save(const smr *s, void *memory, size_t bytes);
 

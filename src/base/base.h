@@ -60,17 +60,39 @@ static inline float smr_positive(float a)
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1 and returns when all are done. Without a parallel
- * port, or with one task, the calling thread runs the tasks in order. The number of tasks must follow from the model,
- * never from the number of workers, so that results do not depend on the workers. */
-static inline void smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
+/* A loop of the port. Each worker sums the numbers of its tasks, without atomics, so that a task left out shows. */
+typedef struct smr_loop {
+    smr_task run;
+    void *arg;
+    uint32_t n_tasks, n_workers;
+    uint32_t done[SMR_WORKERS_MAX]; /* sum of task + 1 over the worker's tasks, modulo 2^32 */
+} smr_loop;
+
+static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
 {
+    smr_loop *l = arg;
+    if (worker >= l->n_workers || worker >= SMR_WORKERS_MAX || task >= l->n_tasks)
+        return; /* the worker has no memory of its own, or there is no such task */
+    l->run(l->arg, task, worker);
+    l->done[worker] += task + 1u;
+}
+
+/* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1 and returns 1 when all are done. Without a parallel
+ * port, or with one task, the calling thread runs the tasks in order. Returns 0 when the port has broken its contract.
+ * The number of tasks must follow from the model, never from the number of workers: results do not depend on them. */
+static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
+{
+    uint32_t left = (uint32_t)((uint64_t)n_tasks * (n_tasks + 1u) / 2u);
     if (port->parallel != NULL && n_tasks > 1u) {
-        port->parallel(port->ctx, run, arg, n_tasks);
-        return;
+        smr_loop loop = {run, arg, n_tasks, port->n_workers, {0}};
+        port->parallel(port->ctx, smr_loop_task, &loop, n_tasks);
+        for (uint32_t w = 0; w < SMR_WORKERS_MAX; w++)
+            left -= loop.done[w];
+        return left == 0u;
     }
     for (uint32_t t = 0; t < n_tasks; t++)
         run(arg, t, 0u);
+    return 1;
 }
 
 /* Union-find: returns the representative of the set that holds i, and shortens the path to it. parent[i]: the element

@@ -54,9 +54,8 @@ struct smr_carry {
     smr_carry_thin thin[SMR_CARRY_DENSITIES];
     smr_carry_site *site; /* [port.n_workers] scratch of each worker */
     uint32_t *near; /* [n_points][SMR_CARRY_NEAR] the caller's vertices near each point; unused ones are the first */
-    float *coefficient;    /* [n_points][SMR_CARRY_NEAR] coefficients c_k; unused ones are 0 */
-    float *rest_part;      /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the factors of T */
-    uint32_t wrong_worker; /* 1: the port used a worker number that does not exist */
+    float *coefficient; /* [n_points][SMR_CARRY_NEAR] coefficients c_k; unused ones are 0 */
+    float *rest_part;   /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the factors of T */
 };
 
 /* Computes the selections for n vertices and the shapes of their trees. Counts the selections, and the trees' nodes. */
@@ -100,9 +99,7 @@ float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
 smr_pose smr_carry_trend(const smr_carry *c, const float *now);
 /* Checks the arguments of smr_carry_apply(). Errors: E_NULL, E_STATE, E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-/* Runs a task for each chunk of n points. E_STATE when the port used a worker number that does not exist. */
+/* Runs a task for each chunk of n points. E_STATE when the port left tasks out or used an illegal worker number. */
 smr_status smr_carry_run(smr_carry *c, smr_task run, void *arg, uint32_t n);
-/* Returns the worker's scratch; NULL, with wrong_worker set to 1, when there is no such worker. */
-smr_carry_site *smr_carry_site_of(smr_carry *c, uint32_t worker);
 
 #endif

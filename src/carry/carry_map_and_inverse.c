@@ -169,9 +169,9 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
 static void run_map(void *arg, uint32_t task, uint32_t worker)
 {
     const job *j = arg;
-    smr_carry_site *s = smr_carry_site_of(j->c, worker);
+    smr_carry_site *s = &j->c->site[worker];
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->n, first + SMR_CARRY_CHUNK);
-    for (uint32_t i = first; i < end && s != NULL; i++) {
+    for (uint32_t i = first; i < end; i++) {
         const smr_vec p = smr_get3(j->xyz, i);
         const found f = j->inverse ? invert(j, s, p) : look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
         smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);

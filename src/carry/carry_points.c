@@ -28,19 +28,9 @@ typedef struct motion {
     float *out;       /* [n_points][3] present positions of the points, mm */
 } motion;
 
-smr_carry_site *smr_carry_site_of(smr_carry *c, uint32_t worker)
-{
-    if (worker < c->port.n_workers)
-        return &c->site[worker];
-    __atomic_store_n(&c->wrong_worker, 1u, __ATOMIC_RELAXED); /* any thread may set it */
-    return NULL;
-}
-
 smr_status smr_carry_run(smr_carry *c, smr_task run, void *arg, uint32_t n)
 {
-    c->wrong_worker = 0;
-    smr_fork(&c->port, run, arg, smr_ceil_div(n, SMR_CARRY_CHUNK));
-    return __atomic_load_n(&c->wrong_worker, __ATOMIC_RELAXED) != 0u ? SMR_E_STATE : SMR_OK;
+    return smr_fork(&c->port, run, arg, smr_ceil_div(n, SMR_CARRY_CHUNK)) ? SMR_OK : SMR_E_STATE;
 }
 
 static void layout(smr_arena *a, uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, binding *b, smr_carry *c)
@@ -134,10 +124,9 @@ static void bind(smr_carry *c, smr_carry_site *s, smr_vec p, uint32_t i)
 static void run_bind(void *arg, uint32_t task, uint32_t worker)
 {
     const binding *b = arg;
-    smr_carry_site *s = smr_carry_site_of(b->c, worker);
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(b->c->n_points, first + SMR_CARRY_CHUNK);
-    for (uint32_t i = first; i < end && s != NULL; i++)
-        bind(b->c, s, smr_sub(smr_get3(b->points, i), b->c->centre), i);
+    for (uint32_t i = first; i < end; i++)
+        bind(b->c, &b->c->site[worker], smr_sub(smr_get3(b->points, i), b->c->centre), i);
 }
 
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
@@ -216,8 +205,7 @@ static void run_apply(void *arg, uint32_t task, uint32_t worker)
 {
     const motion *m = arg;
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(m->c->n_points, first + SMR_CARRY_CHUNK);
-    if (smr_carry_site_of(m->c, worker) == NULL) /* no scratch is needed, but the worker's number must exist */
-        return;
+    (void)worker;
     for (uint32_t i = first; i < end; i++)
         smr_put3(m->out, i, apply(m, i));
 }

@@ -42,6 +42,8 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             const uint32_t first = (uint32_t)((uint64_t)b * p->n / n_blocks);
             const uint32_t last = (uint32_t)(((uint64_t)b + 1u) * p->n / n_blocks);
             smr_forest_block(p, &l, first, last, radius);
+            if (p->failed)
+                return SMR_E_STATE;
             if (p->config->progress != NULL &&
                 p->config->progress(p->config->progress_ctx, radius_index * n_blocks + b, n_radii * n_blocks) != 0)
                 return SMR_E_ABORTED;

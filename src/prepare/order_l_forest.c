@@ -89,7 +89,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};
-    smr_fork(&p->port, weigh_edges, &all, smr_ceil_div(n_edges, SMR_EDGE_CHUNK));
+    p->failed |= !smr_fork(&p->port, weigh_edges, &all, smr_ceil_div(n_edges, SMR_EDGE_CHUNK));
     for (uint32_t v = 0; v < size; v++) {
         p->forest.edge_a[n_edges + v] = v;
         p->forest.edge_b[n_edges + v] = size;
@@ -136,7 +136,9 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
 {
     const uint32_t size = last - first;
     block all = {p, first, last, radius, 0};
-    smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
+    p->failed |= !smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
+    if (p->failed)
+        return;
     const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
     link_up(p, size, kept);
     smr_list_block(l);

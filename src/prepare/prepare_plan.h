@@ -45,6 +45,7 @@ typedef struct smr_plan {
     uint32_t n_rows;         /* rows available at once */
     uint32_t separate;       /* 1: a cluster of the present radius contains vertices of one structure only */
     smr_port port;           /* parallel loops over a block; empty for geodesic clusters, which share scratch */
+    uint32_t failed;         /* 1: the port has broken its contract */
     float centre[3];         /* mm, whole numbers: origin of rest positions */
     float edge_mm, edge_max; /* mean and longest edge, mm */
 

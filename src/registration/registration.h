@@ -34,7 +34,7 @@ struct smr {
     uint32_t magic;           /* SMR_STATE_MAGIC */
     uint32_t step, next_task; /* position of the tick: current step of the iteration, completed tasks of this step */
     uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
-    uint32_t refused;         /* 1: the port used a worker number that does not exist; 0 again when positions are set */
+    uint32_t refused;         /* 1: the port left out a task or used an illegal worker; 0 when positions are set */
     uint32_t n_awaited;       /* number of inputs that must be set again after a restore */
     /* takes an awaited input, with the arguments of smr_log_note(); set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);

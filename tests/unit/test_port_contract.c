@@ -9,11 +9,12 @@
 #include "registration/registration.h"
 
 /* Runs tasks in order. `meddle`: the first one of each loop is followed by calls that must be refused.
- * `worker`: the number that the last task of each loop is given. */
+ * `worker`: the number that the last task of each loop is given. `drop`: 1: leaves out the loop's last task, 2: the
+ * first one, 3: all of them. */
 typedef struct port_state {
     smr *s;
     const smr_surface *surface;
-    uint32_t meddle, worker, calls, accepted;
+    uint32_t meddle, worker, drop, calls, accepted;
 } port_state;
 
 static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -38,7 +39,8 @@ static void loop(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     port_state *p = ctx;
     for (uint32_t t = 0; t < n_tasks; t++) {
-        run(arg, t, t + 1u == n_tasks ? p->worker : 0u);
+        if (!(p->drop == 3u || (p->drop == 1u && t + 1u == n_tasks) || (p->drop == 2u && t == 0u)))
+            run(arg, t, t + 1u == n_tasks ? p->worker : 0u);
         if (t == 0u && p->meddle) {
             p->calls++;
             p->accepted += meddle(p->s, p->surface);
@@ -103,6 +105,41 @@ TEST(refuses_workers_that_are_not_there)
         assert_int_equal(SMR_E_STATE, smr_tick(s, 0, &report));
         assert_memory_equal(&report, &before, sizeof report);
         p.worker = 1;
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL)); /* until positions are set */
+        assert_true(smr_state_hash(s) == smr_state_hash(twin));
+        assert_int_equal(SMR_OK, smr_set_pose(s, &identity));
+        assert_int_equal(SMR_OK, smr_set_pose(twin, &identity));
+        (void)rig_run(s, 6);
+        (void)rig_run(twin, 6);
+        assert_true(smr_state_hash(s) == smr_state_hash(twin));
+        rig_free_all();
+    }
+}
+
+/* A port that leaves tasks out gets an error, and the last complete positions stay; as does one of prepare. */
+TEST(notices_tasks_left_out)
+{
+    for (uint32_t drop = 1; drop <= 3u; drop++) {
+        port_state p, q;
+        smr *s = start(&p, 2), *twin = start(&q, 2);
+        const smr_port port = {&p, 2, loop, NULL};
+        smr_prepare_config config = rig_radii(2, 25, 15, 0);
+        const smr_structure one = {"", ball};
+        smr_carry *carry;
+        size_t bytes;
+        (void)rig_run(s, 3);
+        (void)rig_run(twin, 3);
+        p.drop = drop;
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_OK, smr_carry_bytes(ball.n_vertices, ball.n_vertices, 2, &bytes));
+        assert_int_equal(SMR_E_STATE, smr_carry_fit(ball.xyz, ball.n_vertices, ball.xyz, ball.n_vertices, &port,
+                                                    rig_alloc(bytes), bytes, &carry));
+        config.port = &port;
+        assert_int_equal(SMR_OK, smr_prepare_bytes(&one, 1, &config, &bytes));
+        void *scratch = rig_alloc(bytes), *memory = rig_alloc(1u << 20);
+        size_t model_bytes;
+        assert_int_equal(SMR_E_STATE, smr_prepare(&one, 1, &config, scratch, bytes, memory, 1u << 20, &model_bytes));
+        p.drop = 0;
         assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL)); /* until positions are set */
         assert_true(smr_state_hash(s) == smr_state_hash(twin));
         assert_int_equal(SMR_OK, smr_set_pose(s, &identity));

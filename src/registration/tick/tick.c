@@ -12,19 +12,13 @@ typedef struct part_of_step {
     void *stage;
     smr_task run;
     uint32_t first, count, bundle;
-    uint32_t n_workers;
-    uint32_t refused; /* 1: a worker's number was not below n_workers. Any thread sets it, atomically */
 } part_of_step;
 
 #define SMR_BUNDLES 64u /* about the number of bundles into which the tasks of a step are divided */
 
 static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 {
-    part_of_step *p = arg;
-    if (worker >= p->n_workers) { /* the worker has no memory of its own */
-        __atomic_store_n(&p->refused, 1u, __ATOMIC_RELAXED);
-        return;
-    }
+    const part_of_step *p = arg;
     const uint32_t last = smr_min_u32((bundle + 1u) * p->bundle, p->count);
     for (uint32_t task = bundle * p->bundle; task < last; task++)
         p->run(p->stage, p->first + task, worker);
@@ -33,11 +27,9 @@ static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
 {
     const uint32_t bundle = timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
-    part_of_step part = {
-        smr_stage_of(s, step), step->run, s->next_task, count, bundle, smr_max_u32(s->port.n_workers, 1u), 0};
-    smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
+    part_of_step part = {smr_stage_of(s, step), step->run, s->next_task, count, bundle};
+    s->refused |= !smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
     s->next_task += count;
-    s->refused |= __atomic_load_n(&part.refused, __ATOMIC_RELAXED);
 }
 
 typedef struct watch {
