@@ -157,7 +157,8 @@ typedef struct smr smr;
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, smr_arena_bytes() or more). smr_init()
  * copies config and port. port NULL means one worker and no clock. model and arena must keep their addresses: calls
- * with a copy return E_STATE. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (the size exceeds size_t). */
+ * with a copy return E_STATE. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (the size exceeds size_t), E_MODEL
+ * (at least 64 readable bytes that are no model; smr_model_open() finds all other damage). */
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
 smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena, size_t bytes,
                     smr **s);

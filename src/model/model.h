@@ -128,6 +128,8 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
     return (const unsigned char *)m + smr_le32(stored_offset);
 }
 
+/* 1: m is aligned and begins as a model does. Reads 16 bytes of what is no model; smr_model_open() checks all bytes. */
+int smr_model_known(const smr_model *m);
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
 int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters contain vertices of one structure only */
 

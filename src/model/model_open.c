@@ -272,18 +272,21 @@ static int check_sections(const smr_model *m)
     return 1;
 }
 
+int smr_model_known(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
+    return (uintptr_t)m % SMR_ALIGN == 0u && smr_le32(m->magic) == SMR_MODEL_MAGIC &&
+           smr_le32(m->version) == SMR_MODEL_VERSION && smr_le32(m->bytes) >= sizeof *m && n >= 1u &&
+           n <= SMR_VERTICES_MAX && smr_le32(m->n_triangles) <= SMR_TRIANGLES_MAX && smr_le32(m->n_structures) >= 1u &&
+           smr_le32(m->n_structures) <= SMR_STRUCTURES_MAX && smr_le32(m->n_radii) >= 1u &&
+           smr_le32(m->n_radii) <= SMR_RADII_MAX && (width == 4u || (width == 2u && n <= 65535u));
+}
+
 static int check_header(const smr_model *m, size_t bytes)
 {
-    const uint32_t size = smr_le32(m->bytes), n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
-    if (smr_le32(m->magic) != SMR_MODEL_MAGIC || smr_le32(m->version) != SMR_MODEL_VERSION || size < sizeof *m ||
-        size > bytes)
-        return 0;
-    if (smr_crc32(0, (const unsigned char *)m + SMR_MODEL_HEAD, size - SMR_MODEL_HEAD) != smr_le32(m->checksum))
-        return 0;
-    return n >= 1u && n <= SMR_VERTICES_MAX && smr_le32(m->n_triangles) <= SMR_TRIANGLES_MAX &&
-           smr_le32(m->n_structures) >= 1u && smr_le32(m->n_structures) <= SMR_STRUCTURES_MAX &&
-           smr_le32(m->n_radii) >= 1u && smr_le32(m->n_radii) <= SMR_RADII_MAX &&
-           (width == 4u || (width == 2u && n <= 65535u));
+    const uint32_t size = smr_le32(m->bytes);
+    return smr_model_known(m) && size <= bytes &&
+           smr_crc32(0, (const unsigned char *)m + SMR_MODEL_HEAD, size - SMR_MODEL_HEAD) == smr_le32(m->checksum);
 }
 
 smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model)

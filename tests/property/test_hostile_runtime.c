@@ -365,3 +365,28 @@ TEST(test_refused_positions_change_nothing)
 }
 
 int main(void) { return suite_run(NULL, NULL); }
+/* Bytes that are no model: nothing behind the first 64 is read, nor a place that they name. */
+TEST(test_refuses_what_is_no_model)
+{
+    smr_config config = smr_config_default();
+    size_t bytes = 0;
+    smr *s = NULL;
+    uint32_t seed = 7;
+    set_up();
+    for (uint32_t i = 0; i < 40u; i++) {
+        uint32_t *word = rig_alloc(64);
+        for (uint32_t k = 0; k < 16u; k++)
+            word[k] = i == 0u ? 0u : i == 1u ? UINT32_MAX : rig_random(&seed, UINT32_MAX);
+        if (i > 2u) /* the begin of a model, with a wrong word */
+            memcpy(word, model, 64);
+        static const uint32_t at[] = {0, 1, 4, 6, 7, 8};
+        if (i > 2u)
+            word[at[i % 6u]] = i < 12u ? UINT32_MAX : 0u;
+        assert_int_equal(SMR_E_MODEL, smr_arena_bytes((const smr_model *)word, &config, &bytes));
+        assert_int_equal(SMR_E_MODEL, smr_init((const smr_model *)word, &config, NULL, word, 64, &s));
+        rig_free(word);
+    }
+    assert_int_equal(SMR_E_MODEL, smr_arena_bytes((const smr_model *)((const char *)model + 4), &config, &bytes));
+    assert_true(s == NULL && bytes == 0u);
+}
+

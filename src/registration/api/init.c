@@ -121,6 +121,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
     smr s;
     if (model == NULL || config == NULL || bytes == NULL)
         return SMR_E_NULL;
+    if (!smr_model_known(model))
+        return SMR_E_MODEL;
     SMR_TRY(smr_config_check(config, model));
     smr_count(&s, model, config);
     smr_arena a = smr_arena_measure();
