@@ -169,7 +169,8 @@ typedef struct smr_pose {
 } smr_pose;
 
 /* Moves the whole model's rest shape by a pose, makes the moved shape the start, and restarts the schedule.
- * Errors: E_NULL, E_INPUT (an entry or a moved vertex beyond SMR_COORD_MAX), E_STATE. */
+ * Errors: E_NULL, E_STATE, E_INPUT (an entry or a moved vertex beyond SMR_COORD_MAX; a singular or mirroring pose: the
+ * determinant of columns 0 to 2 is outside [1e-9, 1e9]). */
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
 /* Sets a structure's positions, [n_vertices][3] mm in the caller's vertex order. The present positions of all

@@ -358,13 +358,18 @@ TEST(test_refused_positions_change_nothing)
     const smr_pose too_large = {{{4000, 0, 0, 0}, {0, 4000, 0, 0}, {0, 0, 4000, 0}}};
     assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &too_far));
     assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &too_large));
+    for (uint32_t i = 0; i < 5u; i++) { /* nothing, a plane, a mirror image, and scales of 1/1100 and 1100 */
+        static const float x[] = {0.0f, 0.0f, -1.0f, 1.0f / 1100.0f, 1100.0f};
+        const float yz = i == 0u || i > 2u ? x[i] : 1.0f;
+        const smr_pose pose = {{{x[i], 0, 0, 0}, {0, yz, 0, 0}, {0, 0, yz, 0}}};
+        assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &pose));
+    }
     assert_true(smr_state_hash(s) == smr_state_hash(twin));
     (void)rig_run(s, 10);
     (void)rig_run(twin, 10);
     assert_true(smr_state_hash(s) == smr_state_hash(twin));
 }
 
-int main(void) { return suite_run(NULL, NULL); }
 /* Bytes that are no model: nothing behind the first 64 is read, nor a place that they name. */
 TEST(test_refuses_what_is_no_model)
 {
@@ -390,3 +395,4 @@ TEST(test_refuses_what_is_no_model)
     assert_true(s == NULL && bytes == 0u);
 }
 
+int main(void) { return suite_run(NULL, NULL); }

@@ -5,7 +5,9 @@
 #include "registration/schedule_radius.h"
 #include "registration/api/setup.h"
 
-#define SMR_FAR_OFF 500.0f /* distance of the model from the origin, mm, from which on the origin is moved */
+#define SMR_FAR_OFF 500.0f     /* distance of the model from the origin, mm, from which on the origin is moved */
+#define SMR_POSE_LEAST 1.0e-9f /* determinant of a pose from metres to kilometres; that of a reflection is negative */
+#define SMR_POSE_MOST 1.0e9f   /* determinant of a pose from kilometres to metres */
 
 /* Moves the origin, by whole millimetres, to the middle of a model far from the origin. */
 static void centre_origin(smr *s)
@@ -51,10 +53,11 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     SMR_TRY(pose == NULL ? SMR_E_NULL : smr_settable(s, 1, smr_ready(s)));
     if (!smr_all_within(&pose->m[0][0], 12, SMR_COORD_MAX))
         return SMR_E_INPUT;
+    const float volume = smr_dot(smr_column(pose, 0), smr_cross(smr_column(pose, 1), smr_column(pose, 2)));
     const smr_vec centre = smr_model_centre(s->shared.model);
     const smr_vec moved = smr_pose_apply(pose, centre);
     const float border = SMR_COORD_MAX + 1.0f; /* mm: rounding may move the rest shape a little beyond SMR_COORD_MAX */
-    if (!smr_within3(moved, border))
+    if (!(volume >= SMR_POSE_LEAST && volume <= SMR_POSE_MOST) || !smr_within3(moved, border))
         return SMR_E_INPUT;
     for (uint32_t v = 0; v < s->shared.n; v++)
         if (!smr_within3(smr_pose_apply(pose, smr_add(smr_rest(&s->shared, v), centre)), border))
