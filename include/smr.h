@@ -139,7 +139,8 @@ typedef struct smr_basic_config {
     float active_share;
     uint32_t budget_exact; /* 0 or 1, default 0. 1: a budget ignores no vertex, and no bit depends on the budget */
     float search_mm; /* mm, (0, 100000], default 60. Largest distance from a vertex to a closest point that is a goal */
-    float attraction; /* share, [0, 1], default 0.5. Weight of the target-to-model attraction in a vertex' goal */
+    /* share, [0, 1], default 0.5. Weight of a target surface's attraction in a vertex' goal; a cloud always attracts. */
+    float attraction;
     /* share, [0, 1], default 0. Share of the displacement to the goal along the model's surface that counts. At 0 the
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;
@@ -621,8 +622,8 @@ typedef struct smr_partial_config {
      * target's closest points lie elsewhere on the model. Occluded vertices follow the image, or a smooth field of
      * visible vertices. auto: whole for closed surfaces of which the model covers nine tenths. whole: no memory. */
     uint32_t coverage;
-    /* mm, [0, 100], default 0. Noise of a cloud's points. A point nearer than this to the model's surface does not
-     * attract; a farther point attracts by the excess of its distance. At 0 the noise of many points averages out. */
+    /* mm, [0, 100], default 0. Noise of clouds and target surfaces. What is nearer than this to the model does not
+     * attract; what is farther attracts by the excess of its distance. At 0 the noise of many points averages out. */
     float noise_mm;
     uint32_t n_landmarks; /* landmarks, [0, 64], default 0. Largest number of landmarks; 0 takes no memory */
 } smr_partial_config;
@@ -794,7 +795,7 @@ typedef struct smr_dynamics_config {
      * SMR_ARENA_DYNAMICS_BYTES. */
     uint32_t mode;
     float step_ms;    /* ms, [0.01, 1000], default 10. Length of a time step. Every length is stable; long steps damp */
-    float damping;    /* 1/s, [0, 1000000], default 1. Each step divides velocities by 1 + step * damping */
+    float damping;    /* 1/s, [0, 1000000], default 1. Force against the velocity, for each unit of mass and velocity */
     float gravity[3]; /* mm/s^2, [-1000000, 1000000], default 0. Acceleration along the caller's axes; Earth: 9810 */
     /* 1/s^2, [0, 100000000], default 10000. Stiffness of shape matching for each unit of mass: a vertex away from the
      * mean of its clusters swings with sqrt(elastic) / 2 pi Hz. */

@@ -710,6 +710,11 @@ class Model:
         meshes = [(_numbers(xyz, name or "xyz"), _indexes(triangles, name or "triangles"))
                   for name, (xyz, triangles) in named.items()]
         n = len(meshes)
+        all_xyz = np.concatenate([xyz.reshape(-1, 3) for xyz, _ in meshes] or [np.zeros((0, 3))])
+        size = float(np.linalg.norm(np.ptp(all_xyz, axis=0))) if len(all_xyz) else 0.0
+        if 0.0 < size < 5.0:
+            warnings.warn(f"lengths are millimetres, but the model's diagonal is only {size:.3g} mm: is it in metres?",
+                          stacklevel=2)
         table = (_Structure * max(n, 1))()
         for row, name, (xyz, triangles) in zip(table, named, meshes):
             row.name = name.encode()
@@ -1004,6 +1009,8 @@ class Registration:
     def set_points(self, points: Optional[Points], structure: Union[int, str, None] = None) -> None:
         """The cloud that a structure, or all, has as its target; again whenever points were added."""
         handle = None if points is None else points._handle
+        if points is not None and self.setting("attraction") == 0:
+            warnings.warn("attraction is 0, but a cloud of points always attracts", stacklevel=2)
         self._call(_lib.smr_set_points, self.model.index(structure), handle)
         self._keep(structure, points)
 

@@ -9,6 +9,7 @@ import gc
 import os
 import pickle
 import sys
+import warnings
 import weakref
 
 import numpy as np
@@ -275,6 +276,12 @@ def targets(model, rest, triangles, now):
           warp.kind == "spline" and np.abs(warp.apply(rest[::20]) - now[::20]).max() < 0.01)
     pose, rms = smr.align_landmarks(rest[:9], rest[:9] + np.float32([1, 2, 3]))
     check("landmarks give a pose", rms < 1e-3 and np.abs(pose[:, 3] - [1, 2, 3]).max() < 1e-3)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        smr.Model.prepare((0.001 * rest, triangles))
+        smr.Registration(model, smr.Points(10), attraction=0)
+    check("a model in metres, and a cloud without attraction, are warned of",
+          [w for w in ("metres", "always attracts") for s in said if w in str(s.message)] == ["metres", "always attracts"])
     cloud = smr.Points(100)
     cloud.add(now[:150][:100], weights=np.ones(100))
     cloud.weigh(0, 0)

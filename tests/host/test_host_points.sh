@@ -53,6 +53,9 @@ awk '{ print $1 + 300 "," $3 "," (-$2) }' all.txt >far.csv
 check "--align rigid" run far.csv --align rigid
 mean=$(sed -n '/"target_to_model"/,/}/s/.*"mean": \([0-9.]*\).*/\1/p' out/report.json | head -1)
 check "it finds the place: $mean mm" awk "BEGIN { exit !($mean < 0.6) }"
+check "--attraction 0 with a cloud" run with.csv --attraction 0
+check "is said to change nothing" grep -qF -- "--attraction: option: expected a target surface" out.txt
+check "and changes nothing" [ "$(value out/report.json state_hash)" = "$(value with.json state_hash)" ]
 check "--noise-mm" run with.csv --noise-mm 1
 check "it pulls less" [ "$(value out/report.json state_hash)" != "$(value with.json state_hash)" ]
 

@@ -130,4 +130,27 @@ TEST(test_residual_is_the_distance_to_the_target)
     }
 }
 
+/* Within the noise a target surface attracts nothing; beyond, by the excess, and momentum goes on a little. */
+TEST(test_noise_of_a_surface)
+{
+    const smr_mesh ball = rig_ball(20, 15, 20, none), goal = rig_ball(22, 15, 20, none);
+    const smr_prepare_config radii = rig_radii(3, 25, 12, 4);
+    for (uint32_t i = 0; i < 3u; i++) {
+        static const float noise[] = {0.0f, 1.0f, 3.0f}, least[] = {21.95f, 20.95f, 19.99f},
+                           most[] = {22.05f, 21.6f, 20.01f};
+        smr_config config = smr_config_default();
+        double sum = 0.0;
+        config.basic.n_target_vertices = goal.n_vertices;
+        config.partial.noise_mm = noise[i];
+        smr *s = rig_init(rig_model(&ball, 1, &radii), &config, NULL);
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
+        assert_true(rig_run(s, 1000).done);
+        const float *x = rig_positions(s, s->shared.model);
+        for (uint32_t v = 0; v < ball.n_vertices; v++)
+            sum += (double)smr_length(smr_load(x + 3u * (size_t)v)) / ball.n_vertices;
+        if (!(sum > (double)least[i] && sum < (double)most[i]))
+            fail_msg("with noise of %g mm a radius of %g mm", (double)noise[i], sum);
+    }
+}
+
 int main(void) { return suite_run(NULL, NULL); }

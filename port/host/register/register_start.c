@@ -91,7 +91,20 @@ int host_job_load(host_job *job, host_error *error)
     return result;
 }
 
-int host_job_check(host_job *job, host_error *error)
+/* Prints a line on stderr where the option says what the library does not do. */
+static void warn_of_cloud(const host_job *job)
+{
+    host_error error = {.file = "--attraction"};
+    uint32_t clouds = 0;
+    for (uint32_t i = 0; i < job->n_targets; i++)
+        clouds += job->target[i].mesh.n_triangles == 0;
+    if (job->options->config.basic.attraction > 0.0f || clouds == 0 || job->options->image_target)
+        return;
+    (void)host_fail(&error, "option", "a target surface, for a cloud of points always attracts");
+    host_error_print(&error);
+}
+
+static int check_sizes(host_job *job, host_error *error)
 {
     const host_options *const options = job->options;
     /* these scale the model */
@@ -112,6 +125,15 @@ int host_job_check(host_job *job, host_error *error)
         host_box_add(&box, job->target[i].mesh.xyz, job->target[i].mesh.n_vertices);
     job->size_ratio = host_size_ratio(&job->model, &box);
     return host_check_target_size(&job->model, &box, error);
+}
+
+int host_job_check(host_job *job, host_error *error)
+{
+    if (check_sizes(job, error) != 0)
+        return -1;
+    host_warn_small(job->options->model.path[0], &job->model);
+    warn_of_cloud(job);
+    return 0;
 }
 
 int host_job_match(host_job *job, host_error *error)

@@ -151,7 +151,7 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
     if (!has_goal && g->shared->config.forces.use_box)
         weight = 0.0f; /* no pulls act outside the box */
-    const smr_vec goal = has_goal ? find->displacement : smr_v(0, 0, 0);
+    const smr_vec goal = has_goal ? smr_beyond_noise(g, find->displacement) : smr_v(0, 0, 0);
     *displacement = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
     return has_goal || weight > 0.0f;
 }
@@ -175,7 +175,7 @@ smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v)
         return goal;
     const int has_goal = g->warm[v] < target->tree.n_triangles;
     if (has_goal)
-        goal = to_triangle(g, v, target, g->warm[v]);
+        goal = smr_beyond_noise(g, to_triangle(g, v, target, g->warm[v]));
     if (smr_attraction_on(g))
         smr_pull_look(g, v, sum);
     return blend(g, has_goal, goal, smr_pull_mean(sum, &pull), pull);

@@ -106,6 +106,13 @@ smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 /* A displacement, mm, with its part along the model's surface reduced to config.basic.slide. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement);
 
+/* A displacement to the target, mm, less config.partial.noise_mm; 0 within the noise. */
+static inline smr_vec smr_beyond_noise(const smr_surface_goals *g, smr_vec r)
+{
+    const float noise = g->shared->config.partial.noise_mm;
+    return noise > 0.0f ? smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise))) : r;
+}
+
 /* correspondence_rejection.c */
 int smr_reject_outside(const smr_config *c, smr_vec p); /* 1: p, mm in the caller's coordinates, is outside the box */
 int smr_reject_distance(const smr_surface_goals *g,

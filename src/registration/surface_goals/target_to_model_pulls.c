@@ -61,13 +61,11 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
     return found;
 }
 
-/* Adds the pull of a target vertex at y to the corners of a triangle. noise: largest distance without a pull, mm. */
-static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, float noise,
-                     int64_t *pull)
+/* Adds the pull of a target vertex at y to the corners of a triangle. */
+static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one, smr_vec y, const smr_near *near,
+                     float area, int64_t *pull)
 {
-    smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, near->triangle, near->weight));
-    if (noise > 0.0f)
-        r = smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise)));
+    const smr_vec r = smr_beyond_noise(g, smr_sub(y, smr_triangle_point(&one->tree, near->triangle, near->weight)));
     for (uint32_t c = 0; c < 3u; c++) {
         int64_t *to = pull + 4u * (size_t)one->tree.triangle[3u * (size_t)near->triangle + c];
         const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
@@ -102,9 +100,8 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, int
     smr_residual_put(g, slot, SMR_SQRT(r2));
     if (smr_reject_distance(g, r2) || !(weight > 0.0f))
         return;
-    const float noise = smr_is_cloud(surface) ? g->shared->config.partial.noise_mm : 0.0f;
     for (uint32_t i = 0; i < near.n; i++)
-        add_pull(one, y, &near.item[i], weight, noise, pull);
+        add_pull(g, one, y, &near.item[i], weight, pull);
 }
 
 void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
