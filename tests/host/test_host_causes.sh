@@ -65,6 +65,9 @@ fi
 awk '$1 == "v" { $2 /= 1000; $3 /= 1000; $4 /= 1000 } { print }' bone.obj >metres.obj
 says "a model in metres" 2 "a ratio of 1000" register --model metres.obj --target bone.obj -o out
 says "a target in metres" 2 "a ratio of 0.001" register --model bone.obj --target metres.obj -o out
+says "both in metres: a result, and a warning" 0 "the model's diagonal is only 0.138 mm" register --model metres.obj --target metres.obj -o out --quiet
+check "the result is there" [ -s out/report.json ]
+says "a model in metres is built with a warning" 0 "is it in metres?" build --model metres.obj -o metres.smr --quiet
 says "a model in metres, an image" 2 "metres or micrometres" register --model metres.obj --reference image.mha --target image.mha -o out
 says "and built" 2 "metres or micrometres" build --model metres.obj --reference image.mha -o out
 volume '500 500 500' '20 20 20' >elsewhere.mha

@@ -112,6 +112,7 @@ int host_build(const host_options *options, host_error *error)
         host_model_load(&options->model, options, &port.port, &model, error) == 0 &&
         write_model(&model, options, error) == 0) {
         result = HOST_DONE;
+        host_warn_small(options->model.path[0], &model);
         if (!options->quiet)
             (void)printf("%s: %u structures, %u vertices, %u radii, %zu bytes, prepared in %.3f s\n", options->out,
                          model.info.n_structures, model.info.n_vertices, model.info.n_radii, model.prepared_bytes,

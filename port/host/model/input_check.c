@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #define TARGET_RATIO_MAX 100.0
+#define MODEL_LEAST 5.0       /* mm: a smaller model is likely to be in metres or centimetres */
 #define IMAGE_RATIO_MAX 500.0 /* a small bone in an image of the whole head: above 100 */
 
 /* Six times the volume below the triangle, seen from the origin o, mm^3. */
@@ -117,6 +118,17 @@ static double model_diagonal(const host_model *model)
     for (uint32_t i = 0; i < model->n_parts; i++)
         host_box_add(&box, model->part[i].mesh.xyz, model->part[i].mesh.n_vertices);
     return diagonal(&box);
+}
+
+void host_warn_small(const char *path, const host_model *model)
+{
+    const double a = model_diagonal(model);
+    host_error error = {0};
+    if (!(a > 0.0 && a < MODEL_LEAST))
+        return;
+    error.file = path;
+    (void)host_fail(&error, "size", "millimetres, but the model's diagonal is only %.3g mm: is it in metres?", a);
+    host_error_print(&error);
 }
 
 double host_size_ratio(const host_model *model, const host_box *target)

@@ -62,6 +62,9 @@ void host_box_add_volume(host_box *box, const smr_volume *volume);
 /* Refuses a target whose diagonal and the model's differ by a factor above 100: one is in metres, perhaps. */
 int host_check_target_size(const host_model *model, const host_box *target, host_error *error);
 
+/* Prints a line on stderr when the model's diagonal is below 5 mm. */
+void host_warn_small(const char *path, const host_model *model);
+
 /* The diagonal of a box around the targets over that of the model; 0 where either is a point. */
 double host_size_ratio(const host_model *model, const host_box *target);
 
