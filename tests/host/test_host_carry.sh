@@ -50,6 +50,7 @@ volume() {
 }
 volume grid.mha "-18 -15 -30" "1.5 1.5 1.5" "25 21 41" 21525
 check "a field" has_status 0 "$SMR" field --result out --spacing 6 -o field.mha
+check "that nowhere folds, as it says" grep -q "; 0 cells fold" out.txt
 check "a field as NRRD" has_status 0 "$SMR" field --result out --spacing 6 -o field.nrrd
 check "in LPS, vector first" sh -c "head -c 600 field.nrrd | grep -aq 'space: left-posterior-superior' &&
     head -c 600 field.nrrd | grep -aq 'kinds: vector domain domain domain'"

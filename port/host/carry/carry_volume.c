@@ -134,6 +134,45 @@ int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t in
     return missed;
 }
 
+static double determinant(const double e[3][3])
+{
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+/* 1 where a cell's edges at one of its corners span no volume, or one of the other sign than those of the grid do. */
+static int cell_folds(const host_volume *grid, const float *field, double sign, size_t first, const size_t stride[3])
+{
+    double edge[3][3], whole[3][3];
+    for (uint32_t corner = 0; corner < 8u; corner++) {
+        size_t at = first;
+        for (uint32_t k = 0; k < 3; k++)
+            at += (corner >> k & 1u) != 0 ? stride[k] : 0;
+        for (uint32_t a = 0; a < 3; a++) {
+            const size_t low = at - ((corner >> a & 1u) != 0 ? stride[a] : 0), high = low + stride[a];
+            for (uint32_t k = 0; k < 3; k++) {
+                whole[a][k] = (double)grid->direction[3u * k + a] * (double)grid->spacing[a];
+                edge[a][k] = whole[a][k] + (double)field[3u * high + k] - (double)field[3u * low + k];
+            }
+        }
+        if (!(sign * determinant(edge) * determinant(whole) > 0.0))
+            return 1;
+    }
+    return 0;
+}
+
+uint64_t host_field_folds(const host_volume *grid, const float *field, int mirrors)
+{
+    const size_t stride[3] = {1, grid->size[0], (size_t)grid->size[0] * grid->size[1]};
+    uint64_t folds = 0;
+    for (uint32_t z = 0; z + 1u < grid->size[2]; z++)
+        for (uint32_t y = 0; y + 1u < grid->size[1]; y++)
+            for (uint32_t x = 0; x + 1u < grid->size[0]; x++)
+                folds +=
+                    (uint64_t)cell_folds(grid, field, mirrors ? -1.0 : 1.0, x + y * stride[1] + z * stride[2], stride);
+    return folds;
+}
+
 void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,
                              host_buffer *out)
 {

@@ -22,6 +22,10 @@ int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t in
 /* That fit alone, to any field on the grid; nothing is done on a coarser one. */
 void host_carried_field_fit(const host_carried *c, const host_volume *grid, uint32_t inverse, float *field);
 
+/* The grid's cells in which the map by a field folds: the Jacobian determinant at one of the corners is 0 or negative;
+ * with `mirrors` 0 or positive. */
+uint64_t host_field_folds(const host_volume *grid, const float *field, int mirrors);
+
 /* Writes the field as a file of the path's format into the buffer, which stores failure. */
 void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,
                              host_buffer *out);

@@ -99,37 +99,50 @@ static int choose_grid(const host_carried *c, const host_options *options, float
     return host_volume_around(low, high, margin_mm, spacing, grid) == 0 ? 0 : host_fail(error, "value", "%s", expected);
 }
 
-static int put_field(host_carried *c, const host_volume *grid, const host_options *options, int64_t *missed,
+/* What is said of a field. */
+typedef struct field_facts {
+    int64_t missed; /* voxels for which the way back was not found */
+    uint64_t folds; /* cells that fold */
+} field_facts;
+
+static int put_field(host_carried *c, const host_volume *grid, const host_options *options, field_facts *facts,
                      host_buffer *out, host_error *error)
 {
     const size_t n = (size_t)grid->size[0] * grid->size[1] * grid->size[2];
     float *const field = malloc(3u * n * sizeof *field);
     error->file = options->like != NULL ? options->like : "field";
-    *missed = field != NULL ? host_carried_field(c, grid, options->inverse, field, error)
-                            : host_fail(error, "size", "free memory for %zu voxels", n);
-    if (*missed >= 0)
+    facts->missed = field != NULL ? host_carried_field(c, grid, options->inverse, field, error)
+                                  : host_fail(error, "size", "free memory for %zu voxels", n);
+    if (facts->missed >= 0) {
+        facts->folds = host_field_folds(grid, field, c->shape.mirror != HOST_MIRROR_NONE);
         host_carried_field_file(grid, options->inverse, field, options->out, out);
+    }
     free(field);
-    return *missed >= 0 ? 0 : -1;
+    return facts->missed >= 0 ? 0 : -1;
 }
 
-static int write_field(host_carried *c, const host_volume *grid, const host_options *options, int64_t *missed,
+static int write_field(host_carried *c, const host_volume *grid, const host_options *options, field_facts *facts,
                        host_error *error)
 {
     host_buffer buffer = {0};
-    const int result = put_field(c, grid, options, missed, &buffer, error);
+    const int result = put_field(c, grid, options, facts, &buffer, error);
     return host_output_file(NULL, options->out, &buffer, result, error);
 }
 
-static void tell(const host_options *options, const host_volume *grid, int64_t missed)
+static void tell(const host_options *options, const host_volume *grid, const field_facts *facts)
 {
-    if (missed > 0)
+    if (facts->missed > 0)
         (void)fprintf(stderr,
                       "smr: at %" PRId64 " voxels the way back was not found within %g mm: the nearest is used\n",
-                      missed, (double)HOST_CARRY_MISS);
+                      facts->missed, (double)HOST_CARRY_MISS);
+    if (facts->folds > 0)
+        (void)fprintf(stderr,
+                      "smr: %" PRIu64 " cells of the grid fold: a transform by this field has no inverse there\n",
+                      facts->folds);
     if (!options->quiet)
-        (void)printf("%s: %u x %u x %u displacements, of points of the %s\n", options->out, grid->size[0],
-                     grid->size[1], grid->size[2], options->inverse ? "result, to the model" : "model, to the result");
+        (void)printf("%s: %u x %u x %u displacements, of points of the %s; %" PRIu64 " cells fold\n", options->out,
+                     grid->size[0], grid->size[1], grid->size[2],
+                     options->inverse ? "result, to the model" : "model, to the result", facts->folds);
 }
 
 int host_field(const host_options *options, host_error *error)
@@ -137,14 +150,14 @@ int host_field(const host_options *options, host_error *error)
     host_carried c = {0};
     host_volume grid = {0};
     const float s = options->spacing > 0.0f ? options->spacing : SPACING_MM, spacing[3] = {s, s, s};
-    int64_t missed = 0;
+    field_facts facts = {0, 0};
     int result = HOST_REFUSED;
     if (host_volume_can_write(options->out, error) == 0 &&
         host_carried_open(&c, options->result, options->threads, error) == 0 &&
         choose_grid(&c, options, FIELD_MARGIN_MM, spacing, "--spacing", "one that gives at most 200 million voxels",
                     &grid, error) == 0 &&
-        write_field(&c, &grid, options, &missed, error) == 0) {
-        tell(options, &grid, missed);
+        write_field(&c, &grid, options, &facts, error) == 0) {
+        tell(options, &grid, &facts);
         result = HOST_DONE;
     }
     if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
