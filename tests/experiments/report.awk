@@ -14,10 +14,10 @@ function larger(a, b) { return a + 0 > b + 0 ? a : b }
 }
 { v[$1] = substr($0, length($1) + 2) }
 END {
-    to = v["distance_mm.model_to_target.mean"]
+    to = v["distance_mm.whole_model_to_target.mean"]
     from = v["distance_mm.target_to_model.mean"]
     for (i = 1; i <= n; i++) {
-        a = s[i, "distance_mm.model_to_target.mean"]
+        a = s[i, "distance_mm.whole_model_to_target.mean"]
         b = s[i, "distance_mm.target_to_model.mean"]
         if (a + 0 > worst_to + 0) { worst_to = a; worst_to_name = name[i] }
         if (b + 0 > worst_from + 0) { worst_from = b; worst_from_name = name[i] }

@@ -78,19 +78,24 @@ sed 's/^c,0,20,0/c,0,110,0/' to.csv >off.csv
 check "a landmark 90 mm off" has_status 1 "$SMR" register $landmarks off.csv -o out --quiet
 check "is named, and how far" grep -qE '"landmark \\"c\\" is (8|9)[0-9] mm from where the others put it' out/report.json
 
-# A target without the model's upper end: what it does not show is left out beside the plain distances.
+# A target without the model's upper end: what it does not show is left out of the distances, but not of those of the
+# whole model.
 figure() { sed -n "/^  \"$1\": {/,/^  }/p" out/report.json | sed -n "s/^ *\"$2\": \([^,]*\),\{0,1\}$/\1/p" | head -n 1; }
 between() { awk -v a="$1" -v b="$2" -v c="$3" 'BEGIN { exit !(b != "" && a <= b && b <= c) }'; }
 awk '$1 == "v" { z[++n] = $4; print } $1 == "f" && z[$2 + 0] < 25 && z[$3 + 0] < 25 && z[$4 + 0] < 25 { print }' target.obj >low.obj
 ends "a target that lacks an end" 0 good "good" --model bone.ply --target low.obj
-check "the end is far from it" between 3 "$(figure distance_mm mean)" 10
-check "what it shows is near" between 0 "$(figure overlap_distance_mm mean)" 0.3
+whole() { sed -n '/"whole_model_to_target": {/,/}/s/^ *"mean": \([^,]*\),$/\1/p' out/report.json | sed -n "$1p"; }
+check "the end is far from it" between 3 "$(whole 1)" 10
+check "at the vertices, too" between 3 "$(whole 2)" 10
+check "what it shows is near" between 0 "$(figure distance_mm mean)" 0.3
+check "and its vertices are" between 0 "$(figure vertex_distance_mm mean)" 0.3
+check "as beside the surplus" [ "$(figure overlap_distance_mm mean)" = "$(figure distance_mm mean)" ]
 check "a third is surplus" between 0.28 "$(figure overlap_distance_mm surplus)" 0.38
 check "and the summary says so" grep -q '^the 6[0-9] % of the model that the target shows: mean 0\.[0-2]' out.txt
 check "of the structure, too" [ "$(grep -c '^ *"surplus": 0\.3' out/report.json)" -eq 2 ]
 ends "a target that lacks nothing" 0 good "good" $onto
 check "has no surplus" [ "$(figure overlap_distance_mm surplus)" = 0 ]
-check "nor another distance" [ "$(figure overlap_distance_mm mean)" = "$(figure distance_mm mean)" ]
+check "nor another distance" [ "$(whole 1)" = "$(figure distance_mm mean)" ]
 check "nor a line of its own" sh -c '! grep -q "that the target shows" out.txt'
 
 # The command and the inputs; gzip keeps the same checksum, low byte first.

@@ -28,7 +28,7 @@ say() { echo "results: $*"; }
 have() { [ -e "$data/$1" ] || { say "no $data/$1: $2 keeps its last values"; return 1; }; }
 # value REPORT PATH FORMAT
 value() { awk -f $here/json.awk "$1" | awk -v p="$2" -v f="$3" '$1 == p { printf f, $2; exit }'; }
-pair() { echo "$(value "$1" "$2.model_to_target.$3" %.3f) / $(value "$1" "$2.target_to_model.$3" %.3f) mm"; }
+pair() { echo "$(value "$1" "$2.whole_model_to_target.$3" %.3f) / $(value "$1" "$2.target_to_model.$3" %.3f) mm"; }
 
 # The rows of list.txt that say "<- FIGURE... FORMAT", from a file of "figure value" lines or a report.json.
 fill() { # section, file
@@ -191,7 +191,7 @@ part_images() {
             --landmarks "$data/thigh_patient/landmarks_reference.mrk.json" "$data/thigh_$who/landmarks_$who.mrk.json"
         # shellcheck disable=SC2086
         register "${key}_start" "$@" $still
-        put "$key.start" "$(value "$out/${key}_start/report.json" distance_mm.model_to_target.mean '%.1f mm')"
+        put "$key.start" "$(value "$out/${key}_start/report.json" distance_mm.whole_model_to_target.mean '%.1f mm')"
         register "$key" "$@"
         r=$out/$key/report.json
         fill "$key" "$r"

@@ -222,6 +222,7 @@ static void put_distances(host_json *json, const host_report_head *head)
     if (!host_json_object(json, "distance_mm", head->to.n > 0 || head->from.n > 0))
         return;
     host_json_stats(json, "model_to_target", &head->to);
+    host_json_stats(json, "whole_model_to_target", &head->whole);
     host_json_stats(json, "target_to_model", &head->from);
     host_json_close(json, '}');
 }

@@ -130,6 +130,7 @@ static int read_stats(host_scan *scan, void *to)
 static int read_distances(host_scan *scan, void *head)
 {
     static const host_scan_field fields[] = {{"model_to_target", read_stats, offsetof(host_report_head, to)},
+                                             {"whole_model_to_target", read_stats, offsetof(host_report_head, whole)},
                                              {"target_to_model", read_stats, offsetof(host_report_head, from)}};
     host_scan_members o = {fields, sizeof fields / sizeof fields[0], head, 0, 0};
     return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_struct(scan, &o);

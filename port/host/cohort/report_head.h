@@ -35,6 +35,7 @@ typedef struct host_report_head {
     host_verdict verdict; /* longer and further reasons are cut */
     int exit_status;      /* -1: not said */
     host_stats to, from;  /* mm, model to target (or truth) and back; n = 0: not measured */
+    host_stats whole;     /* mm, the whole model to the target */
     double hausdorff_mm;  /* NaN: not known */
     double seconds;       /* of the whole run; NaN: not known */
     uint64_t iterations, folds;

@@ -109,13 +109,13 @@ static uint32_t list_summaries(host_job *job, const room *r, uint32_t n_pairs)
             host_result *const of = &job->result[i];
             list[n++] = (summary){&query[q], 1, NULL, &of->area.to_target, &of->vertices.to_target, 0};
             if (overlaps)
-                list[n++] = (summary){&query[q], 1, &r->seen[q], &of->overlap, NULL, 0};
+                list[n++] = (summary){&query[q], 1, &r->seen[q], &of->overlap, &of->overlap_vertices, 0};
             q++;
         }
     /* all structures and all targets: the longest tasks first */
     list[0] = (summary){query, q, NULL, &job->area.to_target, &job->vertices.to_target, 0};
     list[1] = (summary){query + q, n_pairs, NULL, &job->area.to_result, &job->vertices.to_result, 0};
-    list[2] = (summary){query, overlaps ? q : 0, r->seen, &job->overlap, NULL, 0};
+    list[2] = (summary){query, overlaps ? q : 0, r->seen, &job->overlap, &job->overlap_vertices, 0};
     for (uint32_t i = 0; i < n_pairs; i++) {
         host_result *const of = &job->result[r->pairs[i].target->user];
         if (r->pairs[i].target->users == 1)

@@ -142,6 +142,7 @@ typedef struct host_result {
     uint64_t folds, folds_absolute;
     host_two_way area, vertices; /* distances integrated over the area, and over vertices */
     host_stats overlap;          /* to the target, over the area that it shows; n = 0 where it shows nothing */
+    host_stats overlap_vertices; /* the same over vertices */
     host_stats by_vertex;        /* distances to the truth's vertices with the same index; n = 0 without such a truth */
     double dice,
         label_mm3[2]; /* with a label map as the truth: overlap, -1: none; voxels' volumes, its and the truth's */
@@ -209,6 +210,7 @@ typedef struct host_job {
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */
     host_stats overlap;          /* over the area of all that the targets show */
+    host_stats overlap_vertices; /* over their vertices */
     host_stats by_vertex;        /* over all structures with a truth of as many vertices */
     uint64_t folds, folds_absolute;
     smr_verdict measures; /* what the library's verdict rests on */

@@ -278,7 +278,8 @@ static int add_row(host_job *job, host_error *error)
 {
     host_buffer *const out = &job->trace;
     const smr_tick_report *const last = &job->last;
-    const host_stats *const to = &job->area.to_target, *const from = &job->area.to_result;
+    const host_stats *const whole = &job->area.to_target, *const from = &job->area.to_result;
+    const host_stats *const to = job->options->image_target ? whole : &job->overlap;
     const int moves = last->iteration > 0;
     smr_verdict verdict;
     double mean = 0.0, max = 0.0;
@@ -293,7 +294,7 @@ static int add_row(host_job *job, host_error *error)
     put(out, 1, 1e3 * job->ticks_s);
     put(out, to->n > 0, to->mean);
     put(out, from->n > 0, from->mean);
-    put(out, to->n + from->n > 0, fmax(to->max, from->max));
+    put(out, whole->n + from->n > 0, fmax(whole->max, from->max));
     put(out, job->by_vertex.n > 0, job->by_vertex.mean);
     put(out, verdict.image_similarity > -1.0f, (double)verdict.image_similarity);
     put(out, 1, (double)verdict.strain);

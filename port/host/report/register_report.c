@@ -101,12 +101,15 @@ static void put_times(const host_job *job, host_json *json)
     host_json_close(json, '}');
 }
 
-/* Writes the distances in both directions, null when they were not measured. */
-static void put_distances(host_json *json, const char *key, int compared, const host_two_way *distances)
+/* Writes the distances in both directions, null when they were not measured. shown: those of what of the model the
+ * target shows; NULL: all of it, for the target is a truth. */
+static void put_distances(host_json *json, const char *key, int compared, const host_two_way *distances,
+                          const host_stats *shown)
 {
     if (!host_json_object(json, key, compared))
         return;
-    host_json_stats(json, "model_to_target", &distances->to_target);
+    host_json_stats(json, "model_to_target", shown != NULL ? shown : &distances->to_target);
+    host_json_stats(json, "whole_model_to_target", &distances->to_target);
     host_json_stats(json, "target_to_model", &distances->to_result);
     host_json_close(json, '}');
 }
@@ -152,9 +155,10 @@ static void put_result(const host_job *job, host_json *json)
         n += vertices;
         max = most > max ? most : max;
     }
-    put_distances(json, "distance_mm", compared, &job->area);
+    put_distances(json, "distance_mm", compared, &job->area, job->options->image_target ? NULL : &job->overlap);
     put_overlap(json, compared && !job->options->image_target, &job->area.to_target, &job->overlap);
-    put_distances(json, "vertex_distance_mm", compared, &job->vertices);
+    put_distances(json, "vertex_distance_mm", compared, &job->vertices,
+                  job->options->image_target ? NULL : &job->overlap_vertices);
     if (compared && job->area.to_target.n > 0) /* nothing is measured from the model to points */
         host_json_number(json, "hausdorff_mm", a > b ? a : b);
     else
@@ -227,9 +231,9 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
         host_json_null(json, "target");
     else
         host_json_text(json, "target", image ? job->options->target.path[0] : job->target[result->target].path);
-    put_distances(json, "distance_mm", compared, &result->area);
+    put_distances(json, "distance_mm", compared, &result->area, image ? NULL : &result->overlap);
     put_overlap(json, !image && !carried, &result->area.to_target, &result->overlap);
-    put_distances(json, "vertex_distance_mm", compared, &result->vertices);
+    put_distances(json, "vertex_distance_mm", compared, &result->vertices, image ? NULL : &result->overlap_vertices);
     if (result->target != HOST_NO_TARGET && image) {
         host_json_open(json, "truth", '{');
         host_json_text(json, "file", job->target[result->target].path);

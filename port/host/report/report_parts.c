@@ -170,13 +170,14 @@ void host_job_summary(const host_job *job)
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      host_warp_name(job->warp_kind));
-    if (a->n > 0)
-        (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95,
-                     a->max);
-    if (job->overlap.n > 0 && job->overlap.weight < SHOWN * a->weight)
+    const int part = job->overlap.n > 0 && job->overlap.weight < SHOWN * a->weight;
+    if (part)
         (void)printf("the %.0f %% of the model that the target shows: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n",
                      100.0 * job->overlap.weight / a->weight, job->overlap.mean, job->overlap.rms, job->overlap.p95,
                      job->overlap.max);
+    if (a->n > 0)
+        (void)printf("%smodel to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", part ? "whole " : "", name, a->mean,
+                     a->rms, a->p95, a->max);
     if (job->n_targets > 0)
         (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
                      b->max);
