@@ -64,17 +64,17 @@ static inline int smr_within(float a, float limit) { return a >= -limit && a <= 
 typedef struct smr_loop {
     smr_task run;
     void *arg;
-    uint32_t n_tasks, n_workers;
-    uint32_t done[SMR_WORKERS_MAX]; /* sum of task + 1 over the worker's tasks, modulo 2^32 */
+    uint32_t n_workers;
+    uint32_t done[SMR_WORKERS_MAX]; /* sum of 2 task + 1 over the worker's tasks, modulo 2^32 */
 } smr_loop;
 
 static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
 {
     smr_loop *l = arg;
-    if (worker >= l->n_workers || worker >= SMR_WORKERS_MAX || task >= l->n_tasks)
-        return; /* the worker has no memory of its own, or there is no such task */
+    if (worker >= l->n_workers)
+        return; /* the worker has no memory of its own */
     l->run(l->arg, task, worker);
-    l->done[worker] += task + 1u;
+    l->done[worker] += 2u * task + 1u;
 }
 
 /* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1 and returns 1 when all are done. Without a parallel
@@ -82,11 +82,11 @@ static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
  * The number of tasks must follow from the model, never from the number of workers: results do not depend on them. */
 static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
 {
-    uint32_t left = (uint32_t)((uint64_t)n_tasks * (n_tasks + 1u) / 2u);
     if (port->parallel != NULL && n_tasks > 1u) {
-        smr_loop loop = {run, arg, n_tasks, port->n_workers, {0}};
+        smr_loop loop = {run, arg, port->n_workers, {0}};
+        uint32_t left = n_tasks * n_tasks; /* the sum over all tasks */
         port->parallel(port->ctx, smr_loop_task, &loop, n_tasks);
-        for (uint32_t w = 0; w < SMR_WORKERS_MAX; w++)
+        for (uint32_t w = 0; w < loop.n_workers; w++)
             left -= loop.done[w];
         return left == 0u;
     }

@@ -45,13 +45,15 @@ static const smr_range ranges[] = {
 #include "base/settings_prepare.def"
 };
 
-/* Returns 1 when the cookie is of this version, and values and radii are in range. */
+/* Returns 1 when the cookie is of this version, and values, radii and the port's workers are in range. */
 static int is_legal(const smr_prepare_config *c)
 {
     int legal = c->cookie == SMR_COOKIE('P', smr_prepare_config) &&
                 smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]);
     for (uint32_t i = 0; legal && i < c->n_radii; i++)
         legal = c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX;
+    if (legal && c->port != NULL)
+        legal = c->port->n_workers >= 1u && c->port->n_workers <= SMR_WORKERS_MAX;
     return legal;
 }
 

@@ -122,7 +122,7 @@ TEST(notices_tasks_left_out)
     for (uint32_t drop = 1; drop <= 3u; drop++) {
         port_state p, q;
         smr *s = start(&p, 2), *twin = start(&q, 2);
-        const smr_port port = {&p, 2, loop, NULL};
+        smr_port port = {&p, 2, loop, NULL};
         smr_prepare_config config = rig_radii(2, 25, 15, 0);
         const smr_structure one = {"", ball};
         smr_carry *carry;
@@ -139,6 +139,10 @@ TEST(notices_tasks_left_out)
         void *scratch = rig_alloc(bytes), *memory = rig_alloc(1u << 20);
         size_t model_bytes;
         assert_int_equal(SMR_E_STATE, smr_prepare(&one, 1, &config, scratch, bytes, memory, 1u << 20, &model_bytes));
+        for (uint32_t i = 0; i < 2u; i++) {
+            port.n_workers = i == 0u ? 0u : SMR_WORKERS_MAX + 1u;
+            assert_int_equal(SMR_E_CONFIG, smr_prepare_bytes(&one, 1, &config, &bytes));
+        }
         p.drop = 0;
         assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL)); /* until positions are set */
         assert_true(smr_state_hash(s) == smr_state_hash(twin));
