@@ -139,8 +139,7 @@ typedef struct smr_basic_config {
     float active_share;
     uint32_t budget_exact; /* 0 or 1, default 0. 1: a budget ignores no vertex, and no bit depends on the budget */
     float search_mm; /* mm, (0, 100000], default 60. Largest distance from a vertex to a closest point that is a goal */
-    /* share, [0, 1], default 0.5. Weight of a target surface's attraction in a vertex' goal; a cloud always attracts. */
-    float attraction;
+    float attraction; /* share, [0, 1], default 0.5. Weight of a surface's attraction in goals; clouds always attract */
     /* share, [0, 1], default 0. Share of the displacement to the goal along the model's surface that counts. At 0 the
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;

@@ -73,10 +73,17 @@ TEST(test_ranges)
     static const struct {
         float scale, x;
         smr_status status;
-    } all[] = {{1, SMR_COORD_MAX - 21.0f, SMR_OK},      {1, 21.0f - SMR_COORD_MAX, SMR_OK},
-               {1, SMR_COORD_MAX - 18.0f, SMR_E_INPUT}, {1, 18.0f - SMR_COORD_MAX, SMR_E_INPUT},
-               {1, SMR_COORD_MAX, SMR_E_INPUT},         {0, SMR_COORD_MAX, SMR_OK},
-               {SMR_COORD_MAX / 20.5f, 0, SMR_OK},      {SMR_COORD_MAX / 19.5f, 0, SMR_E_INPUT}};
+    } all[] = {{1, SMR_COORD_MAX - 21.0f, SMR_OK},
+               {1, 21.0f - SMR_COORD_MAX, SMR_OK},
+               {1, SMR_COORD_MAX - 18.0f, SMR_E_INPUT},
+               {1, 18.0f - SMR_COORD_MAX, SMR_E_INPUT},
+               {1, SMR_COORD_MAX, SMR_E_INPUT},
+               {0.01f, SMR_COORD_MAX - 0.3f, SMR_OK},
+               {900, SMR_COORD_MAX - 18500.0f, SMR_OK},
+               {900, SMR_COORD_MAX - 17500.0f, SMR_E_INPUT},
+               {1001, 0, SMR_E_INPUT},
+               {0, 0, SMR_E_INPUT},
+               {-1, 0, SMR_E_INPUT}};
     const float flat[9] = {1, 0, 0, 0, 1, 0, 0, 0, 0}; /* of a flat model the entries for z count all the same */
     const smr_mesh mesh = rig_ball(20, 6, 9, none), disc = rig_moved(&mesh, flat, none);
     const smr_model *model;
