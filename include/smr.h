@@ -260,6 +260,8 @@ typedef struct smr_verdict {
     uint32_t level;          /* SMR_VERDICT_...: level of the worst reason */
     uint32_t reasons;        /* sum of SMR_REASON_... (section 7); 0 if the level is good */
     float expected_error_mm; /* mm, or -1. Mean of smr_get_expected_error() over structures that are visible enough */
+    /* mm, or -1. Means of smr_get_expected_parts(), and of smr_get_expected_error() over visible vertices */
+    float expected_across_mm, expected_along_mm, expected_visible_mm;
     float visible_share; /* 0..1, or -1. Visible share of the model's area; in an image, share of vertices with goals */
     /* 0..1, or -1. Share of the target's area that the model covers: the model is no farther away than a mean edge or
      * twice the residual. Measured only where target vertices attract (config.basic.attract, n_target_vertices). */
@@ -332,9 +334,11 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 
-/* Writes each vertex' expected distance from its true place, also along the surface, to mm[n_vertices], in the caller's
- * order. -1: too little of the structure is visible for an estimate. Errors: as smr_get_verdict(). */
+/* Writes each vertex' expected distance from its true place to mm[n_vertices], in the caller's order; and its parts,
+ * whose squares add up: across the surface (the distance from the true surface) and along it. One part may be NULL.
+ * -1: too little of the structure is visible for an estimate. Errors: as smr_get_verdict(). */
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
+smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
 
 /* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex; 0: the vertex
  * follows other vertices. smr_get_normals() writes xyz[n_vertices][3], in the caller's order: unit normals, or 0 where
@@ -360,23 +364,20 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
 smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float *residual_mm);
 
 /* Writes ratio[n_vertices], in the caller's order; for SMR_ALL, of all structures in a row. A ratio is the volume
- * around a vertex divided by that volume at rest, with the scale, -1e6..1e6; below 0 it is inside out. The volume
- * lies between the surface of the vertex' cluster and the cluster's centre. The less the surface surrounds the cluster,
- * the more the ratio is the change of the surface's area. Where a cluster has no surface, the ratio is the cube of the
- * model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the model's radius nearest to radius_mm; 0 means eight
- * mean edges. Choose a radius as large as the structure is thick. The call takes about as long as an iteration, changes
- * no result and runs on one thread. Errors: E_NULL, E_INPUT, E_STATE (not a registration; called from within a tick;
- * inputs are missing; an iteration is under way, whose memory the call needs). */
+ * between the surface of the vertex' cluster and the cluster's centre, with the scale, divided by that volume at rest,
+ * -1e6..1e6; below 0 it is inside out. The less the surface surrounds the cluster, the more the ratio is the change of
+ * area; without a surface, it is the cube of the model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the
+ * model's radius nearest to radius_mm; 0 means eight mean edges. Choose a radius as large as the structure is thick.
+ * The call takes as long as an iteration, on one thread. Errors: as smr_get_verdict(), and E_STATE without inputs. */
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio);
 
 /* Returns a hash of the reference shape, and of the positions relative to the start's whole millimetres; 0 for NULL. */
 uint64_t smr_state_hash(const smr *s);
 
-/* Sets the number of active vertices from the next iteration on: exactly the first n_active vertices in the order of
- * priority take part, whatever configuration and budget say. The number is raised to smr_model_info.active_min of the
- * radius and cut to all vertices. With 0, the initial value, configuration and budget decide. smr_set_pose() and
- * smr_set_positions() keep n_active. Ticks without a clock, each with the n_taken of a recorded iteration, repeat the
- * recorded iterations to the last bit. Errors: E_NULL, E_STATE. */
+/* Sets the number of active vertices from the next iteration on: the first n_active in the order of priority take part.
+ * The number is raised to smr_model_info.active_min of the radius and cut to all vertices. With 0, the initial value,
+ * configuration and budget decide. smr_set_pose() and smr_set_positions() keep n_active. Ticks without a clock, each
+ * with the n_taken of a recorded iteration, repeat the iterations to the last bit. Errors: E_NULL, E_STATE. */
 smr_status smr_set_active(smr *s, uint32_t n_active);
 
 /* ------------------------------------------------------------------ 8. prepare and models in detail */

@@ -88,6 +88,7 @@ _EXPECTED = {
     ("smr_save", _E_STATE): _COMPLETE,
     ("smr_get_verdict", _E_STATE): _COMPLETE,
     ("smr_get_expected_error", _E_STATE): _COMPLETE,
+    ("smr_get_expected_parts", _E_STATE): _COMPLETE,
 }
 
 
@@ -219,7 +220,8 @@ class Energy(_Struct):
 
 class Verdict(_Struct):
     """Whether a result can be relied on, and what was measured (smr_verdict). -1: nothing of the kind was measured."""
-    _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("visible_share", _F),
+    _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("expected_across_mm", _F),
+                ("expected_along_mm", _F), ("expected_visible_mm", _F), ("visible_share", _F),
                 ("target_covered", _F), ("other_share", _F), ("residual_mm", _F), ("normals_agree", _F), ("image_similarity", _F),
                 ("goals_share", _F), ("strain", _F), ("stretch", _F), ("volume_ratio", _F), ("rotation_deg", _F), ("turned_deg", _F), ("bend_mm", _F),
                 ("scale", _F), ("scale_rest", _F), ("moved_last_mm", _F)]
@@ -268,8 +270,8 @@ _CALLS = {
     "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
     "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
     "smr_set_active": "pu", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
-    "smr_get_verdict": "pup", "smr_get_visible": "pup", "smr_get_expected_error": "pup", "smr_get_local_volume": "pufp",
-    "smr_carry_bytes": "uuup",
+    "smr_get_verdict": "pup", "smr_get_visible": "pup", "smr_get_expected_error": "pup",
+    "smr_get_expected_parts": "pupp", "smr_get_local_volume": "pufp", "smr_carry_bytes": "uuup",
     "smr_carry_fit": "pupuppzp", "smr_carry_apply": "ppp", "smr_carry_map": "ppupupp", "smr_pthread_create": "ppzu",
 }
 _CODES = {"p": _P, "u": _U, "z": _Z, "q": _Q, "f": _F}
@@ -1153,6 +1155,13 @@ class Registration:
         mm = self._for_vertices(_lib.smr_get_expected_error, structure, np.float32, 0)
         mm[mm < 0] = np.nan
         return mm
+
+    def expected_parts(self, structure: Union[int, str]) -> Tuple[Array, Array]:
+        """[n] mm each: the parts of expected_error() across the surface and along it, whose squares add up."""
+        mm = np.empty((2, self.model.n_vertices(structure)), np.float32)
+        self._call(_lib.smr_get_expected_parts, self.model.index(structure), _at(mm[0]), _at(mm[1]))
+        mm[mm < 0] = np.nan
+        return mm[0], mm[1]
 
     def local_volume(self, structure: Union[int, str], radius_mm: float = 0.0) -> Array:
         """[n]: volume around each vertex over that at rest, in clusters of about radius_mm; 0: eight mean edges."""

@@ -1,12 +1,16 @@
-/* expected_error.c: the expected error of each vertex: the standard deviation of its position, given the visible
- * vertices or the landmarks, and the residual. A surface determines positions along normals only. The displacement from
- * the start is a Gaussian process (Rasmussen and Williams 2006, chapter 2) with covariance size2 / (1 + d^2 / l^2) for
- * each axis, plus the motions of a similarity; visible vertices show n . displacement, from which size2 follows.
+/* expected_error.c: the expected error of each vertex, across the surface and along it, given the visible vertices or
+ * the landmarks. A surface determines positions along normals only. The displacement from the start is a Gaussian
+ * process (Rasmussen and Williams 2006, chapter 2) with covariance size2 / (1 + d^2 / l^2) for each axis, plus the
+ * motions of a similarity; visible vertices show n . displacement with noise, from which size2 follows.
+ * The noise is measured: how much vertices stick out from their neighbours, and the residual. Across the surface, a
+ * visible vertex has the noise alone as error, and the error of an invisible one grows with the distance to the
+ * visible ones: near them a body's thickness changes less, and far from them its shape more, than the process says.
  * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
  * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has a
  * variance of its own, and the displacement that it would add counts as error, too.
- * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 twice. Landmarks:
- * SMR_LANDMARKS_MAX^3 / 6 once, SMR_LANDMARKS_MAX^2 / 2 for each vertex.
+ * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 for each
+ * of SMR_NOISE_ROUNDS + 2 factors; one pass over triangles. Landmarks: SMR_LANDMARKS_MAX^3 / 6 once,
+ * SMR_LANDMARKS_MAX^2 / 2 for each vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/verdict_measures.h"
@@ -14,11 +18,19 @@
 #define SMR_OBSERVATIONS 64u      /* most observations: visible vertices that the field is fitted to */
 #define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
 #define SMR_NORMAL_LENGTH 0.5f    /* kernel length over the diagonal of the structure's box */
-#define SMR_NORMAL_NOISE 0.01f    /* noise variance along a normal over the field's variance */
-#define SMR_NORMAL_MOTIONS 8.0f   /* variance of the motions over the field's; turns and scale at a kernel length */
-#define SMR_NORMAL_MORE 0.5f      /* variance of the motion from the start over the square of that motion */
-#define SMR_NORMAL_MOST 4.0e3f    /* largest variance of that motion over the field's: beyond it rounding is noise */
-#define SMR_NORMAL_TURN 0.1f      /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+#define SMR_NORMAL_NOISE 0.01f  /* assumed noise variance over the field's variance, for the bend and the first size2 */
+#define SMR_NOISE_LEAST 0.002f  /* share of the field's variance that is finer than its kernel and counts as noise */
+#define SMR_NOISE_MOST 0.25f    /* largest noise variance over it: a coarse model's residual is not all noise */
+#define SMR_NOISE_ROUNDS 5u     /* rounds that find size2 with the measured noise */
+#define SMR_NOISE_SHARE 0.64f   /* squared mean over mean square of an error by noise: 2 / pi */
+#define SMR_UNSEEN_NEAR 0.15f   /* variance across an invisible vertex near the visible ones, over the process' */
+#define SMR_UNSEEN_ACROSS 4.0f  /* growth of that variance at a kernel length from the visible vertices */
+#define SMR_UNSEEN_ALONG 2.0f   /* growth of the variance along the surface there */
+#define SMR_ALONG_LEAST 0.05f   /* smallest error along the surface, in mean edge lengths: vertices slide that far */
+#define SMR_NORMAL_MOTIONS 8.0f /* variance of the motions over the field's; turns and scale at a kernel length */
+#define SMR_NORMAL_MORE 0.5f    /* variance of the motion from the start over the square of that motion */
+#define SMR_NORMAL_MOST 4.0e3f  /* largest variance of that motion over the field's: beyond it rounding is noise */
+#define SMR_NORMAL_TURN 0.1f    /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
 
 /* The displacement from the start as a Gaussian process, observed along normals. */
 typedef struct normal_field {
@@ -29,6 +41,9 @@ typedef struct normal_field {
     float *open;       /* [n] change of the coefficients by the variance of the motion from the start */
     float *lower;      /* Cholesky factor of the observations' covariance, row by row */
     uint32_t n;        /* number of observations; 0: too few */
+    float noise;       /* noise variance along a normal over size2 */
+    float across2;     /* variance by noise across the surface, mm^2 */
+    smr_pose pose;     /* pose of all visible vertices from the start */
     smr_vec middle;    /* middle of the structure's box at the start, mm */
     float motions;     /* variance of the motions over that of the displacement */
     float per_length2; /* 1 / l^2 of the kernel length l, 1 / mm^2 */
@@ -119,21 +134,60 @@ static void factor(normal_field *f)
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec at = smr_get3(f->at, i), normal = smr_get3(f->normal, i);
         for (uint32_t j = 0; j <= i; j++) {
-            const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? SMR_NORMAL_NOISE : 0.0f);
-            smr_factor_set(f->lower, i, j, both, 0.5f * SMR_NORMAL_NOISE);
+            const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? f->noise : 0.0f);
+            smr_factor_set(f->lower, i, j, both, 0.5f * f->noise);
         }
     }
 }
 
-/* Sets size2 to its most likely value, y K^-1 y / n. y: observed displacements. K: their covariance. */
+/* Sets size2 to its most likely value for the noise's share, y K^-1 y / n. y: observed displacements. K: their
+ * covariance. */
 static void find_size(normal_field *f)
 {
+    factor(f);
     memcpy(f->open, f->moved, f->n * sizeof *f->open);
     smr_solve_forward(f->lower, f->n, f->open);
     f->size2 = 0.0f;
     for (uint32_t i = 0; i < f->n; i++)
         f->size2 += f->open[i] * f->open[i] / (float)f->n;
     memset(f->open, 0, f->n * sizeof *f->open);
+}
+
+/* Finds size2 for a noise of this variance, mm^2. Returns size2 for the assumed noise. */
+static float find_sizes(normal_field *f, float noise2)
+{
+    f->noise = SMR_NORMAL_NOISE;
+    find_size(f);
+    const float assumed = f->size2;
+    for (uint32_t i = 0; i < SMR_NOISE_ROUNDS; i++) {
+        f->noise = SMR_NOISE_LEAST + (noise2 < SMR_NOISE_MOST * f->size2 ? noise2 / f->size2 : SMR_NOISE_MOST);
+        find_size(f);
+    }
+    return assumed;
+}
+
+/* The noise variance of visible vertices along normals, mm^2: the squared distance of a vertex from the mean of its
+ * neighbours, less the same in the posed start. Six neighbours add a sixth of the variance. */
+static float noise_of(const normal_field *f, uint32_t structure)
+{
+    const smr *s = f->s;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    const smr_rings *rings = &s->overlay.rings;
+    smr_mean noise = {0, 0};
+    memset(rings->sum, 0, 4u * sizeof *rings->sum * s->shared.n); /* and the weights behind */
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_put3(rings->displacement, v,
+                 smr_sub(smr_get3(s->shape.x, v), smr_pose_apply(&f->pose, smr_get3(s->shape.start, v))));
+    for (uint32_t k = 0; k < one->tree.n_triangles; k++)
+        smr_ring_add(rings, one->tree.triangle + 3u * (size_t)k, rings->displacement);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        if (!(rings->weight[v] > 0.0f) || !is_observed(s, v))
+            continue;
+        const smr_vec mean = smr_scale(smr_get3(rings->sum, v), 1.0f / rings->weight[v]);
+        const float out = smr_dot(smr_sub(smr_get3(rings->displacement, v), mean), smr_get3(s->shape.normal, v));
+        smr_mean_add(&noise, out * out * (6.0f / 7.0f), 1.0f);
+    }
+    return smr_mean_of(noise, 0.0f);
 }
 
 /* Rotates v by the inverse of a pose's rotation. */
@@ -180,8 +234,9 @@ static int keeps_to_start(const smr *s, uint32_t structure)
            s->shared.config.partial.n_landmarks == 0u && smr_visibility_always_partial(&s->forces.surface, structure);
 }
 
-/* Solves the field of a structure in the memory of sums, which is free between iterations. */
-static void solve_field(normal_field *f, const smr *s, uint32_t structure)
+/* Solves the field of a structure in the memory of sums, which is free between iterations. Returns size2 for the
+ * assumed noise: the bend. */
+static float solve_field(normal_field *f, const smr *s, uint32_t structure, float residual)
 {
     smr_fit fit = {.weight = 0.0f};
     *f = (normal_field){.s = s};
@@ -189,39 +244,65 @@ static void solve_field(normal_field *f, const smr *s, uint32_t structure)
     choose(f, structure, place(f, s), &fit);
     if (f->n < SMR_OBSERVATIONS_LEAST) {
         f->n = 0;
-        return;
+        return 0.0f;
     }
-    const smr_pose pose = smr_fit_solve(&fit, 0);
+    f->pose = smr_fit_solve(&fit, 0);
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec posed = smr_pose_apply(&pose, smr_get3(f->at, i)), normal = smr_get3(f->normal, i);
+        const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->at, i)), normal = smr_get3(f->normal, i);
         f->moved[i] = smr_dot(smr_sub(smr_get3(f->lower, i), posed), normal);
-        smr_put3(f->normal, i, turned_back(&pose, normal));
+        smr_put3(f->normal, i, turned_back(&f->pose, normal));
     }
-    factor(f);
-    find_size(f);
-    find_motion(f, &pose);
+    const float noise2 = noise_of(f, structure) + residual * residual, assumed = find_sizes(f, noise2);
+    f->across2 = SMR_NOISE_SHARE * noise2;
+    find_motion(f, &f->pose);
     for (uint32_t i = 0; i < f->n; i++) /* adds the observed motion along the normals */
         f->moved[i] += smr_dot(motion_at(f, arm_of(f, smr_get3(f->at, i))), smr_get3(f->normal, i));
     if (keeps_to_start(s, structure) && smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn) > 0.0f)
         open_motion(f);
+    return assumed;
 }
 
-/* The standard deviation of the position of stored vertex v, mm. */
-static float field_error(const normal_field *f, uint32_t v)
+/* Squared errors of a position, mm^2: across the surface and along it. */
+typedef struct parts {
+    float across, along;
+} parts;
+
+/* Weighs the process' variances of stored vertex v. far2: squared distance to the observations in kernel lengths. */
+static parts weighed(const normal_field *f, uint32_t v, parts variance, float far2)
 {
-    const smr_vec at = smr_get3(f->s->shape.start, v);
+    const float least = SMR_ALONG_LEAST * smr_le_float(f->s->shared.model->edge_mm);
+    const int visible = smr_vertex_visible(f->s, v);
+    const float across = visible ? 0.0f : SMR_UNSEEN_NEAR + SMR_UNSEEN_ACROSS * far2;
+    const float along = visible ? 1.0f : 1.0f + SMR_UNSEEN_ALONG * far2;
+    return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
+}
+
+/* The squared errors of stored vertex v. A vertex without a normal counts a third of its error as across. */
+static parts field_errors(const normal_field *f, uint32_t v)
+{
+    const smr_vec at = smr_get3(f->s->shape.start, v), normal = turned_back(&f->pose, smr_get3(f->s->shape.normal, v));
+    const int has_normal = smr_dot(normal, normal) > 0.5f;
     float known[3u * SMR_OBSERVATIONS]; /* for each axis: L^-1 of the covariances with the observations */
     const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
+    const float motions = 1.0f + f->motions * (1.0f + smr_dot(arm, arm)), through = smr_dot(motion, normal);
     smr_vec displacement = smr_scale(motion, f->again);
-    float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm)) + f->more * smr_dot(motion, motion);
+    float left = 3.0f * motions + f->more * smr_dot(motion, motion), far2 = SMR_FAR;
+    float across = motions + f->more * through * through;
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec with = with_observation(f, at, i);
+        const smr_vec with = with_observation(f, at, i), apart = smr_sub(at, smr_get3(f->at, i));
         const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
         smr_put3(known, i, one);
         left -= smr_dot(one, one);
+        across -= smr_dot(one, normal) * smr_dot(one, normal);
         displacement = smr_add(displacement, smr_scale(with, f->open[i]));
+        far2 = smr_min(far2, smr_dot(apart, apart) * f->per_length2);
     }
-    return SMR_SQRT(smr_max(left, 0.0f) * f->size2 + smr_dot(displacement, displacement));
+    left = smr_max(left, 0.0f);
+    across = has_normal ? smr_clamp(across, 0.0f, left) : left * (1.0f / 3.0f);
+    const float open = smr_dot(displacement, displacement), moved = smr_dot(displacement, normal);
+    const float open_across = has_normal ? smr_min(moved * moved, open) : open * (1.0f / 3.0f);
+    const parts p = weighed(f, v, (parts){across, left - across}, far2);
+    return (parts){p.across + open_across, p.along + open - open_across};
 }
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
@@ -229,23 +310,26 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
     const smr_shape_structure *one = &s->shape.structure[structure];
     const float residual = smr_mean_of(e->residual, 0.0f);
     const int by_landmarks = smr_follows_landmarks(s, structure);
-    float *const expected = smr_vertex_expected(s);
     smr_occluded_field through = s->forces.occluded; /* a copy: the field's memory is free, and the original stays */
-    normal_field field;
-    if (!by_landmarks)
-        solve_field(&field, s, structure);
-    const float size2 = by_landmarks ? smr_landmark_field_solve(&through) : field.size2;
+    normal_field field = {.n = 0};
+    const float size2 = by_landmarks ? smr_landmark_field_solve(&through) : solve_field(&field, s, structure, residual);
     const int known = by_landmarks ? size2 >= 0.0f : field.n > 0u;
     if (known)
         smr_mean_add(&e->bend, SMR_SQRT(size2), (float)one->n_vertices);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        expected[v] = -1.0f;
+        float *const expected = smr_vertex_expected(s, v);
+        expected[0] = expected[1] = expected[2] = -1.0f;
         if (!known)
             continue;
-        const float error = by_landmarks ? 0.0f : field_error(&field, v);
-        const float error2 = by_landmarks ? 3.0f * size2 * smr_landmark_field_left(&through, v) : error * error;
-        expected[v] = SMR_SQRT(error2 + residual * residual);
-        smr_mean_add(&e->expected, expected[v], 1.0f);
+        const float axis2 = by_landmarks ? size2 * smr_landmark_field_left(&through, v) : 0.0f;
+        const parts p = by_landmarks ? (parts){axis2 + residual * residual, axis2 + axis2} : field_errors(&field, v);
+        expected[0] = SMR_SQRT(p.across + p.along);
+        expected[1] = SMR_SQRT(p.across);
+        expected[2] = SMR_SQRT(p.along);
+        smr_mean_add(&e->expected, expected[0], 1.0f);
+        smr_mean_add(&e->across, expected[1], 1.0f);
+        smr_mean_add(&e->along, expected[2], 1.0f);
+        smr_mean_add(&e->on_visible, expected[0], (float)smr_vertex_visible(s, v));
     }
 }

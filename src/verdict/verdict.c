@@ -222,6 +222,9 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
 {
     memset(verdict, 0, sizeof *verdict);
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
+    verdict->expected_across_mm = smr_mean_of(e->across, -1.0f);
+    verdict->expected_along_mm = smr_mean_of(e->along, -1.0f);
+    verdict->expected_visible_mm = smr_mean_of(e->on_visible, -1.0f);
     verdict->visible_share = smr_mean_of(e->visible, -1.0f);
     verdict->target_covered = smr_mean_of(e->covered, -1.0f);
     verdict->other_share = smr_mean_of(e->others, smr_mean_of(e->strays, -1.0f));
@@ -305,17 +308,36 @@ smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visi
     return SMR_OK;
 }
 
-smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm)
+/* Copies part k of each vertex' expected errors: 0: total, 1: across, 2: along. */
+static void copy_expected(const smr *s, uint32_t structure, uint32_t k, float *mm)
 {
-    const smr_status status = check(s, mm);
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (uint32_t i = 0; mm != NULL && i < one->n_vertices; i++)
+        mm[i] = smr_vertex_expected(s, smr_model_position(s->shared.model, one->first_vertex + i))[k];
+}
+
+/* Measures a structure's expected errors and copies the requested ones. */
+static smr_status get_expected(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm)
+{
+    const smr_status status = check(s, mm != NULL ? mm : across_mm != NULL ? across_mm : along_mm);
     smr_evidence e;
     if (status != SMR_OK)
         return status;
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;
     gather(s, structure, &e);
-    const smr_shape_structure *one = &s->shape.structure[structure];
-    for (uint32_t i = 0; i < one->n_vertices; i++)
-        mm[i] = smr_vertex_expected(s)[smr_model_position(s->shared.model, one->first_vertex + i)];
+    copy_expected(s, structure, 0, mm);
+    copy_expected(s, structure, 1, across_mm);
+    copy_expected(s, structure, 2, along_mm);
     return SMR_OK;
+}
+
+smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm)
+{
+    return get_expected(s, structure, mm, NULL, NULL);
+}
+
+smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm)
+{
+    return get_expected(s, structure, NULL, across_mm, along_mm);
 }

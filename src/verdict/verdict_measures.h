@@ -11,7 +11,7 @@ typedef struct smr_mean {
     float sum, weight;
 } smr_mean;
 
-#define SMR_MEANS 13u /* means in smr_evidence */
+#define SMR_MEANS 16u /* means in smr_evidence */
 
 /* Measures of a result. Fields are as in smr_verdict where names agree. */
 typedef struct smr_evidence {
@@ -28,6 +28,8 @@ typedef struct smr_evidence {
             smr_mean stretch2;       /* squared stretch, mean over parts */
             smr_mean volume;         /* volume ratio, weighted by rest volume */
             smr_mean bend, expected; /* standard deviation of the displacement; expected error, mm */
+            smr_mean across, along;  /* expected error across the surface and along it, mm */
+            smr_mean on_visible;     /* expected error of visible vertices, mm */
         };
         smr_mean mean[SMR_MEANS]; /* all means as a list */
     };
@@ -58,7 +60,7 @@ static inline int smr_follows_landmarks(const smr *s, uint32_t structure)
 void smr_measure_shape(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_target(const smr *s, uint32_t structure, smr_evidence *e);
 
-/* Computes the expected error of each vertex of a structure, smr_vertex_expected(), and adds the mean; -1: unknown. */
+/* Computes the expected errors of each vertex of a structure, smr_vertex_expected(), and adds their means. */
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e);
 
 /* Measures the motion of a structure or of the whole model (SMR_ALL): scale, scale_rest and turned_deg. */
@@ -67,7 +69,11 @@ void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
 /* Sets level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures. */
 void smr_judge(smr_verdict *verdict, float edge_mm, int whole);
 
-/* [n] expected error of each stored vertex, mm; below 0: unknown. It lies in the memory of records. */
-static inline float *smr_vertex_expected(const smr *s) { return (float *)s->overlay.record + s->shared.n; }
+/* The expected error of stored vertex v, then its parts across the surface and along it, mm; below 0: unknown. They lie
+ * in the memory of records behind the rings. */
+static inline float *smr_vertex_expected(const smr *s, uint32_t v)
+{
+    return s->overlay.rings.displacement + 3u * ((size_t)s->shared.n + v);
+}
 
 #endif

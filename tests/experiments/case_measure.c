@@ -153,7 +153,8 @@ static void rank(double *value, size_t n)
 static int read_expected(const char *path, uint32_t n, double *value)
 {
     static const char head[] = "property float z\nproperty uchar seen\nproperty float expected_error\n"
-                               "property float local_volume\n",
+                               "property float local_volume\nproperty float expected_across\n"
+                               "property float expected_along\n",
                       end[] = "end_header\n";
     host_bytes bytes;
     host_error error = {0};
@@ -164,7 +165,7 @@ static int read_expected(const char *path, uint32_t n, double *value)
     const char *const from = strstr(text, head) != NULL ? strstr(text, end) : NULL;
     for (uint32_t i = 0; from != NULL && i < n; i++) {
         float one = 0.0f;
-        memcpy(&one, bytes.data + (from - text) + sizeof end - 1u + 21u * (size_t)i + 13u, sizeof one);
+        memcpy(&one, bytes.data + (from - text) + sizeof end - 1u + 29u * (size_t)i + 13u, sizeof one);
         value[i] = (double)one;
     }
     host_file_free(&bytes);

@@ -70,15 +70,19 @@ static void write_ply(const host_mesh *mesh, host_buffer *buffer)
 
 static void write_ply_judged(const host_mesh *mesh, const host_vertex_values *values, host_buffer *buffer)
 {
-    write_ply_header(mesh, 0, "property uchar seen\nproperty float expected_error\nproperty float local_volume\n",
+    write_ply_header(mesh, 0,
+                     "property uchar seen\nproperty float expected_error\nproperty float local_volume\n"
+                     "property float expected_across\nproperty float expected_along\n",
                      buffer);
-    (void)host_buffer_reserve(buffer, 21u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
+    (void)host_buffer_reserve(buffer, 29u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
     for (size_t i = 0; i < mesh->n_vertices; i++) {
         for (size_t k = 0; k < 3; k++)
             host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
         host_buffer_add(buffer, values->seen + i, 1);
         host_buffer_f32(buffer, values->expected_error[i]);
         host_buffer_f32(buffer, values->local_volume[i]);
+        host_buffer_f32(buffer, values->across[i]);
+        host_buffer_f32(buffer, values->along[i]);
     }
     write_ply_faces(mesh, buffer);
 }
@@ -169,6 +173,10 @@ static void write_vtk_values(const host_mesh *mesh, const host_vertex_values *va
     const size_t n = mesh->n_vertices;
     host_buffer_print(buffer, "POINT_DATA %zu\nSCALARS expected_error float 1\nLOOKUP_TABLE default\n", n);
     put_big_floats(buffer, values->expected_error, n);
+    host_buffer_print(buffer, "SCALARS expected_across float 1\nLOOKUP_TABLE default\n");
+    put_big_floats(buffer, values->across, n);
+    host_buffer_print(buffer, "SCALARS expected_along float 1\nLOOKUP_TABLE default\n");
+    put_big_floats(buffer, values->along, n);
     host_buffer_print(buffer, "SCALARS local_volume float 1\nLOOKUP_TABLE default\n");
     put_big_floats(buffer, values->local_volume, n);
     host_buffer_print(buffer, "SCALARS seen unsigned_char 1\nLOOKUP_TABLE default\n");

@@ -68,12 +68,13 @@ void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[
 typedef struct host_vertex_values {
     const unsigned char *seen;   /* [n_vertices] 0 or 1 */
     const float *expected_error; /* [n_vertices] mm; -1: unknown */
+    const float *across, *along; /* [n_vertices] parts of expected_error across the surface and along it, mm */
     const float *displacement;   /* [n_vertices][3] mm, from where the vertex was in the model */
     const float *local_volume;   /* [n_vertices] around the vertex, over that in the model */
 } host_vertex_values;
 
-/* Writes PLY, whose vertices have the properties seen, expected_error and local_volume then, or VTK with all four as
- * arrays of point data. Other formats hold none of them. */
+/* Writes PLY, whose vertices have the properties seen, expected_error, local_volume and the parts of the error then, or
+ * VTK with all as arrays of point data. Other formats hold none of them. */
 void host_mesh_write_judged(const host_mesh *mesh, int format, const host_vertex_values *values, host_buffer *buffer);
 
 /* One file to read, and its mesh or its error. */

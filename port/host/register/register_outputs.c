@@ -167,16 +167,18 @@ static int fill_displacement(const host_job *job, uint32_t part, float *displace
     return 0;
 }
 
-/* What is known of the vertices. Where the start was kept that is of what was rejected: nothing of these. */
-static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, float *expected, float *volume)
+/* What is known of the vertices: error[3]: expected error, across, along. Where the start was kept that is of what was
+ * rejected: nothing of these. */
+static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, float *const error[3], float *volume)
 {
     if (smr_get_visible(job->state, part, seen) != SMR_OK ||
-        smr_get_expected_error(job->state, part, expected) != SMR_OK ||
+        smr_get_expected_error(job->state, part, error[0]) != SMR_OK ||
+        smr_get_expected_parts(job->state, part, error[1], error[2]) != SMR_OK ||
         smr_get_local_volume(job->state, part, 0, volume) != SMR_OK)
         return -1;
     for (uint32_t i = 0; job->kept_start && i < job->result[part].mesh.n_vertices; i++) {
         seen[i] = 0;
-        expected[i] = -1.0f;
+        error[0][i] = error[1][i] = error[2][i] = -1.0f;
         volume[i] = 1.0f;
     }
     return 0;
@@ -185,20 +187,21 @@ static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, f
 static void write_judged(const host_job *job, uint32_t part, host_buffer *buffer)
 {
     const host_mesh *const mesh = &job->result[part].mesh;
-    float *const expected = malloc((mesh->n_vertices + 1u) * sizeof *expected);
-    float *const displacement = malloc((mesh->n_vertices + 1u) * 3u * sizeof *displacement);
-    unsigned char *const seen = malloc(mesh->n_vertices + 1u);
-    float *const volume = malloc((mesh->n_vertices + 1u) * sizeof *volume);
-    const host_vertex_values values = {seen, expected, displacement, volume};
-    if (expected == NULL || displacement == NULL || seen == NULL || volume == NULL ||
-        fill_known(job, part, seen, expected, volume) != 0 || fill_displacement(job, part, displacement) != 0)
+    const size_t n = mesh->n_vertices + 1u;
+    float *const all = malloc(7u * n * sizeof *all);
+    unsigned char *const seen = malloc(n);
+    if (all != NULL && seen != NULL) {
+        float *const error[3] = {all, all + n, all + 2u * n}, *const volume = all + 3u * n, *const moved = all + 4u * n;
+        const host_vertex_values values = {seen, error[0], error[1], error[2], moved, volume};
+        if (fill_known(job, part, seen, error, volume) != 0 || fill_displacement(job, part, moved) != 0)
+            buffer->failed = 1;
+        else
+            host_mesh_write_judged(mesh, (int)job->options->format, &values, buffer);
+    } else {
         buffer->failed = 1;
-    else
-        host_mesh_write_judged(mesh, (int)job->options->format, &values, buffer);
-    free(expected);
-    free(displacement);
+    }
+    free(all);
     free(seen);
-    free(volume);
 }
 
 void host_job_surface(const host_job *job, uint32_t part, host_buffer *buffer)

@@ -193,6 +193,9 @@ static void put_measures(const smr_verdict *v, host_json *json)
         const char *name;
         float value;
     } measures[] = {{"expected_error_mm", v->expected_error_mm},
+                    {"expected_across_mm", v->expected_across_mm},
+                    {"expected_along_mm", v->expected_along_mm},
+                    {"expected_seen_mm", v->expected_visible_mm},
                     {"seen_share", v->visible_share},
                     {"target_covered", v->target_covered},
                     {"other_share", v->other_share},
