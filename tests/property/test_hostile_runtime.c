@@ -80,6 +80,7 @@ TEST(test_not_a_registration)
     assert_int_equal(SMR_E_STATE, smr_get_structure_report(s, 0, &part));
     assert_int_equal(SMR_E_STATE, smr_get_verdict(s, SMR_ALL, &verdict));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_expected_parts(s, 0, xyz, NULL));
     assert_int_equal(SMR_E_STATE, smr_get_local_volume(s, 0, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_visible(s, 0, seen));
     assert_true(smr_state_hash(s) == 0u);
@@ -93,6 +94,8 @@ TEST(test_not_a_registration)
     assert_int_equal(SMR_E_INPUT, smr_get_structure_report(good, 1, &part));
     assert_int_equal(SMR_E_INPUT, smr_get_verdict(good, SMR_ALL - 1u, &verdict));
     assert_int_equal(SMR_E_INPUT, smr_get_expected_error(good, 1, xyz));
+    assert_int_equal(SMR_E_INPUT, smr_get_expected_parts(good, 1, NULL, xyz));
+    assert_int_equal(SMR_E_NULL, smr_get_expected_parts(good, 0, NULL, NULL));
     assert_int_equal(SMR_E_INPUT, smr_get_local_volume(good, 1, 0, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_visible(good, SMR_ALL, seen));
     memcpy(copy, good, 1024); /* the head is enough: it says where it was */

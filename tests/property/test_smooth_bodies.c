@@ -13,6 +13,8 @@
 #define FARTHER 1.25f       /* than the start, at most: a rod may turn about its axis */
 #define BODIES_MM 2.4f      /* in the mean over all views */
 #define EXPECTED_LEAST 0.5f /* of what vertices are off: their expected errors, in the mean */
+#define GROWS 1.5f          /* expected errors from one part of a cut rod to the next, farther from what is seen */
+#define ON_SHAFT 0.35f       /* expected error across a visible shaft over that along it, at most */
 #define SHEETS_MM 4.5f      /* each */
 
 enum { RINGS = 22, AROUND = 32, GRID = 25 };
@@ -111,6 +113,57 @@ static float registered(const smr_mesh *mesh, const smr_mesh *target, const floa
             *expected += each[v] / (float)mesh->n_vertices;
     }
     return mean_off(rig_positions(s, model), truth, mesh->n_vertices);
+}
+
+/* The mean of values over the vertices whose x lies within low..high, mm. */
+static float mean_between(const smr_mesh *mesh, const float *value, float low, float high)
+{
+    float sum = 0.0f, n = 0.0f;
+    for (uint32_t v = 0; v < mesh->n_vertices; v++)
+        if (mesh->xyz[3u * v] >= low && mesh->xyz[3u * v] < high) {
+            sum += value[v];
+            n += 1.0f;
+        }
+    return sum / n;
+}
+
+/* A bent rod of which the half at negative x is seen: the error grows with the distance to that half, and the shaft
+ * that is seen may slide along itself, but lies on the target. */
+TEST(cut_rod)
+{
+    const smr_mesh mesh = body_mesh(&bodies[2], RINGS, 2 * AROUND, 2);
+    smr_mesh half = body_mesh(&bodies[2], RINGS + 3, 2 * AROUND + 10, 2);
+    float *xyz = rig_alloc(12u * (size_t)half.n_vertices), *mm = rig_alloc(12u * (size_t)mesh.n_vertices);
+    float *const across = mm + mesh.n_vertices, *const along = across + mesh.n_vertices;
+    uint32_t *t = rig_alloc(12u * (size_t)half.n_triangles), n = 0;
+    smr_config config = smr_config_default();
+    smr_verdict v;
+    for (uint32_t i = 0; i < half.n_triangles; i++) {
+        const uint32_t *from = half.triangles + 3u * (size_t)i;
+        if (half.xyz[3u * from[0]] < 0.0f)
+            memcpy(t + 3u * (size_t)n++, from, 12u);
+    }
+    memcpy(xyz, half.xyz, 12u * (size_t)half.n_vertices);
+    bend(xyz, half.n_vertices);
+    half = (smr_mesh){xyz, t, half.n_vertices, n};
+    config.basic.n_target_vertices = half.n_vertices;
+    smr *s = rig_init(rig_model(&mesh, 1, NULL), &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&half)));
+    (void)rig_run(s, 1000);
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
+    assert_int_equal(SMR_OK, smr_get_expected_parts(s, 0, across, along));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    for (uint32_t i = 0; i < mesh.n_vertices; i++)
+        assert_float_equal(mm[i] * mm[i], across[i] * across[i] + along[i] * along[i], 1.0e-3f * mm[i] * mm[i]);
+    for (uint32_t k = 0; k < 3u; k++) {
+        const float *const each = mm + k * mesh.n_vertices;
+        assert_true(mean_between(&mesh, each, 90, 121) > GROWS * mean_between(&mesh, each, 30, 60));
+        assert_true(mean_between(&mesh, each, 30, 60) > GROWS * mean_between(&mesh, each, -90, -30));
+    }
+    assert_true(mean_between(&mesh, across, -90, -30) < ON_SHAFT * mean_between(&mesh, along, -90, -30));
+    assert_float_equal(v.expected_across_mm, mean_between(&mesh, across, -121, 121), 1.0e-3f);
+    assert_float_equal(v.expected_along_mm, mean_between(&mesh, along, -121, 121), 1.0e-3f);
+    assert_true(v.expected_visible_mm < v.expected_error_mm);
 }
 
 TEST(parts_of_bodies)
