@@ -18,6 +18,9 @@ near() {
 } >points.csv
 
 check "register leaves what it takes" has_status 0 "$SMR" register --model bone_binary.ply --target target.ply -o out --quiet
+"$SMR" carry --result out --points points.csv -o told.csv >told.txt
+check "each point has expected errors, whose squares add up" awk '/expected error/ { n++; a = $5; b = $10; c = $13
+    if (!(b > 0 && (d = a * a - b * b - c * c) < 0.03 && d > -0.03)) exit bad = 1 } END { exit bad || n != 40 }' told.txt
 check "carry" has_status 0 "$SMR" carry --result out --points points.csv -o a.csv
 check "other places" sh -c "! cmp -s points.csv a.csv"
 check "and back" has_status 0 "$SMR" carry --result out --points a.csv -o back.csv --inverse --quiet

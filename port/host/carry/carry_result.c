@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "carry/carry_result.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +12,7 @@
 #include "files/gzip_write.h"
 
 #define MAGIC 0x43524d53u /* "SMRC" */
-#define VERSION 1u
+#define VERSION 2u        /* the only other one, 1, has no errors */
 #define HEADER_BYTES 32u
 #define CHECKED_FROM 12u /* the first byte that the checksum is of */
 #define RECORD_BYTES (SMR_NAME_BYTES + 4u)
@@ -42,6 +43,8 @@ void host_carry_write(const host_carry_shape *shape, host_buffer *out)
         host_buffer_f32(out, shape->rest[i]);
     for (size_t i = 0; i < 3u * (size_t)shape->n_vertices; i++)
         host_buffer_f32(out, shape->now[i]);
+    for (size_t i = 0; i < 2u * (size_t)shape->n_vertices; i++)
+        host_buffer_f32(out, shape->error[i]);
     if (!out->failed)
         put_u32(out->data + start + 8,
                 host_crc32_of(out->data + start + CHECKED_FROM, out->size - start - CHECKED_FROM));
@@ -54,15 +57,21 @@ int host_carry_allocate(host_carry_shape *shape)
     shape->count = calloc(shape->n_structures, sizeof *shape->count);
     shape->rest = malloc(bytes);
     shape->now = malloc(bytes);
-    return shape->name != NULL && shape->count != NULL && shape->rest != NULL && shape->now != NULL ? 0 : -1;
+    shape->error = malloc(bytes);
+    for (size_t i = 0; shape->error != NULL && i < 2u * (size_t)shape->n_vertices; i++)
+        shape->error[i] = -1.0f;
+    return shape->name != NULL && shape->count != NULL && shape->rest != NULL && shape->now != NULL &&
+                   shape->error != NULL
+               ? 0
+               : -1;
 }
 
 /* What the counts say that the file has, or 0 for counts that no result has. */
-static uint64_t bytes_of(uint32_t n_vertices, uint32_t n_structures)
+static uint64_t bytes_of(uint32_t version, uint32_t n_vertices, uint32_t n_structures)
 {
     if (n_vertices == 0u || n_vertices > SMR_VERTICES_MAX || n_structures == 0u || n_structures > SMR_STRUCTURES_MAX)
         return 0;
-    return HEADER_BYTES + (uint64_t)RECORD_BYTES * n_structures + 24u * (uint64_t)n_vertices;
+    return HEADER_BYTES + (uint64_t)RECORD_BYTES * n_structures + (16u + 8u * version) * (uint64_t)n_vertices;
 }
 
 static int take_names(host_carry_shape *shape, const unsigned char *at, host_error *error)
@@ -93,11 +102,12 @@ static int parse(host_carry_shape *shape, const unsigned char *data, size_t size
 {
     if (size < HEADER_BYTES || u32_at(data) != MAGIC)
         return host_fail(error, "content", "what smr register leaves in a result's directory as " HOST_CARRY_NAME);
-    if (u32_at(data + 4) != VERSION)
-        return host_fail(error, "version", "%u, found %u: register again", VERSION, u32_at(data + 4));
+    const uint32_t version = u32_at(data + 4);
+    if (version != VERSION && version != 1u)
+        return host_fail(error, "version", "%u, found %u: register again", VERSION, version);
     shape->n_vertices = u32_at(data + 12);
     shape->n_structures = u32_at(data + 16);
-    if (bytes_of(shape->n_vertices, shape->n_structures) != size)
+    if (bytes_of(version, shape->n_vertices, shape->n_structures) != size)
         return host_fail(error, "size", "the bytes that its counts say: it is cut off or damaged");
     if (u32_at(data + 8) != host_crc32_of(data + CHECKED_FROM, size - CHECKED_FROM))
         return host_fail(error, "checksum", "that of its bytes: it is damaged");
@@ -112,7 +122,9 @@ static int parse(host_carry_shape *shape, const unsigned char *data, size_t size
         return -1;
     data += (size_t)RECORD_BYTES * shape->n_structures;
     return take_floats(data, words, shape->rest, error) != 0 ||
-                   take_floats(data + 4u * words, words, shape->now, error) != 0
+                   take_floats(data + 4u * words, words, shape->now, error) != 0 ||
+                   (version > 1u &&
+                    take_floats(data + 8u * words, 2u * (size_t)shape->n_vertices, shape->error, error) != 0)
                ? -1
                : 0;
 }
@@ -154,6 +166,7 @@ void host_carry_free(host_carry_shape *shape)
     free(shape->count);
     free(shape->rest);
     free(shape->now);
+    free(shape->error);
     memset(shape, 0, sizeof *shape);
 }
 
@@ -220,6 +233,33 @@ int64_t host_carried_points(host_carried *c, uint32_t inverse, float *xyz, uint3
     return status == SMR_OK ? bad
                             : host_fail(error, "carry", "points within +-%.0f mm (%s)", (double)SMR_COORD_MAX,
                                         smr_status_name(status));
+}
+
+static double far2(const float *a, const float *b)
+{
+    const double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
+    return x * x + y * y + z * z;
+}
+
+/* Weights fall with the fourth power of the distance, beyond the distance of the nearest vertex. */
+void host_carried_error(const host_carried *c, uint32_t inverse, const float xyz[3], double error[2])
+{
+    float at[3] = {xyz[0], xyz[1], xyz[2]};
+    const float *const from = inverse ? c->shape.now : c->shape.rest;
+    double near2 = HUGE_VAL, sum[2] = {0.0, 0.0}, all = 0.0;
+    if (!inverse)
+        mirror(c, at, 1);
+    for (uint32_t i = 0; i < c->shape.n_vertices; i++)
+        near2 = fmin(near2, far2(at, from + 3u * (size_t)i));
+    for (uint32_t i = 0; i < c->shape.n_vertices; i++) {
+        const float *const mm = c->shape.error + 2u * (size_t)i;
+        const double d2 = far2(at, from + 3u * (size_t)i) + near2 + 1.0e-6, weight = 1.0 / (d2 * d2);
+        for (uint32_t k = 0; k < 2u && mm[0] >= 0.0f; k++)
+            sum[k] += weight * (double)mm[k] * (double)mm[k];
+        all += mm[0] >= 0.0f ? weight : 0.0;
+    }
+    for (uint32_t k = 0; k < 2u; k++)
+        error[k] = all > 0.0 ? sqrt(sum[k] / all) : -1.0;
 }
 
 /* Columns of each matrix by the pose. */

@@ -1,8 +1,8 @@
 /* carry_result.h: carry.bin, by which points, fields and volumes are carried, and a result that carries them.
  *
- * carry.bin, little-endian: "SMRC", u32 version 1, u32 CRC-32 of all that follows, u32 vertices, u32 structures, u32
+ * carry.bin, little-endian: "SMRC", u32 version 2, u32 CRC-32 of all that follows, u32 vertices, u32 structures, u32
  * mirrored coordinate of the model (0 none, 1 x, 2 y, 3 z), two u32 0; for each structure char name[64] and u32
- * vertices; then f32 rest[vertices][3] and f32 now[vertices][3], mm.
+ * vertices; then f32 rest[vertices][3], f32 now[vertices][3] and f32 error[vertices][2], mm. Version 1 has no error.
  * SPDX-License-Identifier: MIT */
 #ifndef CARRY_RESULT_H
 #define CARRY_RESULT_H
@@ -20,6 +20,7 @@ typedef struct host_carry_shape {
     char (*name)[SMR_NAME_BYTES]; /* [n_structures]; owned */
     uint32_t *count;              /* [n_structures] vertices; owned */
     float *rest, *now;            /* [n_vertices][3] mm, structures in a row; owned */
+    float *error;                 /* [n_vertices][2] mm, expected across the surface and along it, -1: unknown; owned */
 } host_carry_shape;
 
 /* Room for as many structures and vertices as the shape says. 0, or -1 when out of memory. */
@@ -60,6 +61,10 @@ void host_carried_close(host_carried *c);
  * Returns how many were not, or -1 with the error filled. */
 int64_t host_carried_points(host_carried *c, uint32_t inverse, float *xyz, uint32_t n, unsigned char *missed,
                             host_error *error);
+
+/* The expected error at a point of the model's space, or of the result's (inverse 1), mm: across the surface and along
+ * it; the mean of squares over near vertices. -1: unknown. */
+void host_carried_error(const host_carried *c, uint32_t inverse, const float xyz[3], double error[2]);
 
 #define HOST_FRAME_MM 5.0f /* over which a frame's turn is measured */
 

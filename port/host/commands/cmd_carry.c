@@ -1,6 +1,7 @@
 /* cmd_carry.c: smr carry, field and warp: points, displacement fields and images by the map of a result.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -11,7 +12,8 @@
 #include "landmarks/landmarks.h"
 #include "volumes/voxel_volume.h"
 
-#define NAMED_MAX 5u /* points that were not found are named up to here */
+#define ERRORS_MAX 100u /* points whose expected errors are printed */
+#define NAMED_MAX 5u    /* points that were not found are named up to here */
 
 static int write_points(const host_points *points, const char *path, host_error *error)
 {
@@ -46,9 +48,30 @@ static int carry_frames(host_carried *c, host_points *points, uint32_t inverse, 
                : host_carried_frames(c, inverse, points->xyz[0], points->n, points->orientation[0], error);
 }
 
+/* The expected errors of the points before they are carried; NULL: out of memory. */
+static double *find_errors(const host_carried *c, const host_points *points, uint32_t inverse)
+{
+    double *const errors = malloc((2u * (size_t)points->n + 1u) * sizeof *errors);
+    for (uint32_t i = 0; errors != NULL && i < points->n; i++)
+        host_carried_error(c, inverse, points->xyz[i], errors + 2u * (size_t)i);
+    return errors;
+}
+
+static void tell_errors(const host_points *points, const double *errors)
+{
+    for (uint32_t i = 0; i < points->n; i++) {
+        const double across = errors[2u * (size_t)i], along = errors[2u * (size_t)i + 1u];
+        const char *const label = points->label != NULL ? points->label[i] : "";
+        if (across >= 0.0)
+            (void)printf("  %u %s: expected error %.2f mm, across the surface %.2f, along it %.2f\n", i, label,
+                         sqrt(across * across + along * along), across, along);
+    }
+}
+
 static int carry_points(host_carried *c, host_points *points, const host_options *options, host_error *error)
 {
     unsigned char *const missed = calloc(points->n + 1u, 1);
+    double *const errors = points->n <= ERRORS_MAX ? find_errors(c, points, options->inverse) : NULL;
     int64_t bad = 0;
     int result = HOST_REFUSED;
     error->file = options->points;
@@ -63,6 +86,9 @@ static int carry_points(host_carried *c, host_points *points, const host_options
     if (result != HOST_REFUSED && !options->quiet)
         (void)printf("%s: %u points%s\n", options->out, points->n,
                      options->inverse ? ", from the result back to the model" : "");
+    if (result != HOST_REFUSED && !options->quiet && errors != NULL)
+        tell_errors(points, errors);
+    free(errors);
     free(missed);
     return result;
 }

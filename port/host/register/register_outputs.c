@@ -13,7 +13,21 @@
 #include "files/log_file.h"
 #include "register/register_job.h"
 
-/* Rest and present positions, structures in a row. */
+/* Expected errors across and along of a structure's vertices, beside each other. Unknown where the start was kept, or
+ * an iteration is under way. */
+static int fill_errors(const host_job *job, uint32_t part, uint32_t n, float *error)
+{
+    float *const across = malloc((2u * (size_t)n + 1u) * sizeof *across);
+    if (across != NULL && !job->kept_start && smr_get_expected_parts(job->state, part, across, across + n) == SMR_OK)
+        for (uint32_t i = 0; i < n; i++) {
+            error[2u * (size_t)i] = across[i];
+            error[2u * (size_t)i + 1u] = across[n + i];
+        }
+    free(across);
+    return across != NULL ? 0 : -1;
+}
+
+/* Rest and present positions and expected errors, structures in a row. */
 static int fill(const host_job *job, host_carry_shape *shape)
 {
     size_t at = 0;
@@ -26,7 +40,8 @@ static int fill(const host_job *job, host_carry_shape *shape)
         (void)snprintf(shape->name[i], SMR_NAME_BYTES, "%s", job->model.part[i].name);
         shape->count[i] = job->model.part[i].mesh.n_vertices;
         if (smr_model_mesh(job->model.model, i, shape->rest + at, NULL) != SMR_OK ||
-            smr_get_positions(job->state, i, shape->now + at) != SMR_OK)
+            smr_get_positions(job->state, i, shape->now + at) != SMR_OK ||
+            fill_errors(job, i, shape->count[i], shape->error + at / 3u * 2u) != 0)
             return -1;
         if (job->kept_start) /* what is written is not what was found */
             memcpy(shape->now + at, job->result[i].mesh.xyz, 3u * sizeof(float) * shape->count[i]);
