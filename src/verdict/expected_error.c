@@ -25,7 +25,8 @@
 #define SMR_NOISE_SHARE 0.64f   /* squared mean over mean square of an error by noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.15f   /* variance across an invisible vertex near the visible ones, over the process' */
 #define SMR_UNSEEN_ACROSS 4.0f  /* growth of that variance at a kernel length from the visible vertices */
-#define SMR_UNSEEN_ALONG 2.0f   /* growth of the variance along the surface there */
+#define SMR_UNSEEN_ALONG 2.5f   /* growth of the variance along the surface there */
+#define SMR_PARTIAL_ALONG 0.33f /* variance along the surface over the process' where a regression limits sliding */
 #define SMR_ALONG_LEAST 0.05f   /* smallest error along the surface, in mean edge lengths: vertices slide that far */
 #define SMR_NORMAL_MOTIONS 8.0f /* variance of the motions over the field's; turns and scale at a kernel length */
 #define SMR_NORMAL_MORE 0.5f    /* variance of the motion from the start over the square of that motion */
@@ -42,6 +43,7 @@ typedef struct normal_field {
     float *lower;      /* Cholesky factor of the observations' covariance, row by row */
     uint32_t n;        /* number of observations; 0: too few */
     float noise;       /* noise variance along a normal over size2 */
+    float along;       /* variance along the surface over the process' */
     float across2;     /* variance by noise across the surface, mm^2 */
     smr_pose pose;     /* pose of all visible vertices from the start */
     smr_vec middle;    /* middle of the structure's box at the start, mm */
@@ -257,7 +259,9 @@ static float solve_field(normal_field *f, const smr *s, uint32_t structure, floa
     find_motion(f, &f->pose);
     for (uint32_t i = 0; i < f->n; i++) /* adds the observed motion along the normals */
         f->moved[i] += smr_dot(motion_at(f, arm_of(f, smr_get3(f->at, i))), smr_get3(f->normal, i));
-    if (keeps_to_start(s, structure) && smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn) > 0.0f)
+    const int keeps = keeps_to_start(s, structure);
+    f->along = keeps ? SMR_PARTIAL_ALONG : 1.0f;
+    if (keeps && smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn) > 0.0f)
         open_motion(f);
     return assumed;
 }
@@ -273,7 +277,7 @@ static parts weighed(const normal_field *f, uint32_t v, parts variance, float fa
     const float least = SMR_ALONG_LEAST * smr_le_float(f->s->shared.model->edge_mm);
     const int visible = smr_vertex_visible(f->s, v);
     const float across = visible ? 0.0f : SMR_UNSEEN_NEAR + SMR_UNSEEN_ACROSS * far2;
-    const float along = visible ? 1.0f : 1.0f + SMR_UNSEEN_ALONG * far2;
+    const float along = f->along + (visible ? 0.0f : SMR_UNSEEN_ALONG * far2);
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }
 

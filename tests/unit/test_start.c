@@ -80,7 +80,7 @@ TEST(test_ranges)
                {1, SMR_COORD_MAX, SMR_E_INPUT},
                {0.01f, SMR_COORD_MAX - 0.3f, SMR_OK},
                {900, SMR_COORD_MAX - 18500.0f, SMR_OK},
-               {900, SMR_COORD_MAX - 17500.0f, SMR_E_INPUT},
+               {900, SMR_COORD_MAX - 16000.0f, SMR_E_INPUT},
                {1001, 0, SMR_E_INPUT},
                {0, 0, SMR_E_INPUT},
                {-1, 0, SMR_E_INPUT}};
