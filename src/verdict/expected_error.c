@@ -26,7 +26,7 @@
 #define SMR_UNSEEN_NEAR 0.15f   /* variance across an invisible vertex near the visible ones, over the process' */
 #define SMR_UNSEEN_ACROSS 4.0f  /* growth of that variance at a kernel length from the visible vertices */
 #define SMR_UNSEEN_ALONG 2.5f   /* growth of the variance along the surface there */
-#define SMR_PARTIAL_ALONG 0.33f /* variance along the surface over the process' where a regression limits sliding */
+#define SMR_PARTIAL_ALONG 0.45f /* variance along the surface over the process' where a regression limits sliding */
 #define SMR_ALONG_LEAST 0.05f   /* smallest error along the surface, in mean edge lengths: vertices slide that far */
 #define SMR_NORMAL_MOTIONS 8.0f /* variance of the motions over the field's; turns and scale at a kernel length */
 #define SMR_NORMAL_MORE 0.5f    /* variance of the motion from the start over the square of that motion */
