@@ -96,7 +96,7 @@ void case_save(const host_mesh *mesh, const char *path);
 case_body *case_add(case_data *data, const char *path, int mirror);
 
 /* Adds a file's surface to what lies beside the first body. */
-void case_beside(case_data *data, const char *path);
+void case_beside(case_data *data, const char *path, int mirror);
 
 /* A triangle's normal times twice its area. */
 void case_normal(const host_mesh *mesh, uint32_t triangle, double out[3]);
@@ -115,6 +115,8 @@ void case_keep_shares(host_mesh *mesh, double from, double to);
 double case_height(const host_mesh *mesh, double *low);
 /* The mean of the vertices. */
 void case_middle(const host_mesh *mesh, double out[3]);
+/* The middle and half the size of the box around it. */
+void case_box(const host_mesh *mesh, double middle[3], double half[3]);
 /* x := m (x - about) + to. */
 void case_apply(host_mesh *mesh, const double m[9], const double about[3], const double to[3]);
 
@@ -151,30 +153,51 @@ double case_surface_mean(const host_mesh *from, const host_mesh *to, const unsig
 /* Prints "name value" lines of a result: DIR of NAME.ply. */
 void case_tell(const case_data *data, const char *result);
 
-/* ---- case_kinds.c, case_images.c: the runs that verdicts are judged by */
+/* ---- case_kinds.c, case_changes.c, case_images.c: the runs that verdicts are judged by */
 
 typedef struct case_picture case_picture;
+
+typedef struct case_bone {
+    const char *name, *path; /* below the data's directory */
+    char sort;               /* f: femur, h: hip bone, p: patella, u: upper end of a femur */
+    uint32_t half;           /* rules are fitted to runs of half 0 and held to those of half 1 */
+    int right;               /* is mirrored, so that all models are left ones */
+    const char *beside;      /* the neighbour's file, or NULL */
+} case_bone;
 
 /* A run that is to be made. */
 typedef struct case_job {
     const char *bone; /* its name */
-    const char *directory;
+    const case_bone *of; /* NULL for an image */
+    uint32_t half;       /* of the bones or patients */
+    const char *data_path, *directory;
     case_picture *image; /* NULL when the target is a surface */
     case_data data;      /* without targets for an image */
     const char *words;   /* of smr register */
 } case_job;
 
-/* A kind of run. 0 stands for a field's default, a negative number for 0. */
+/* Spoils a run. Returns 1 when there still is a truth, 0 when no result is right. */
+typedef int case_change(case_job *job, oracle_random *r);
+
+/* A kind of run. {0, 0} stands for a field's default, a negative number for 0; others are a range. */
 typedef struct case_kind {
-    const char *name;
-    int weight; /* how often it comes */
+    const char *family, *name;
+    int weight; /* how often it comes in its family */
     int part, patches;
-    double share[2]; /* between which the visible share lies */
-    double shift, turn, noise, outliers, deform, sigma;
-    int (*change)(case_job *job, oracle_random *r); /* spoils it; 1: there still is a truth, 0: no result is right */
+    double share[2], shift[2], turn[2], noise[2], outliers[2], deform[2], sigma[2];
+    case_change *change;
     const char *words;
+    const char *sorts; /* of bones, as in case_bone; NULL: all */
 } case_kind;
 
+case_change case_metres, case_inside_out, case_other_bone, case_wrong_side, case_upside_down, case_twisted, case_scaled,
+    case_scaled_little, case_stretched, case_tibia, case_half_replaced, case_twin, case_middle_part, case_sphere, case_flat,
+    case_soup, case_person, case_person_top, case_person_low, case_person_mirrored, case_neighbour, case_points,
+    case_few_points, case_stray_points, case_point_blob, case_same_mesh, case_uneven, case_marks, case_marks_swapped,
+    case_marks_off;
+
+/* A bone of that half and of those sorts, whose name is another one. */
+const case_bone *case_choose_bone(uint32_t half, const char *sorts, const char *but, oracle_random *r);
 extern const case_kind case_image_kinds[]; /* ends with a NULL name */
 /* Makes the image run; 1 when there is a truth. A patient's files, computed once, lie in the directory's parent. */
 int case_image_make(case_job *job, const case_kind *kind, oracle_random *r);

@@ -175,25 +175,25 @@ static int others_marks(case_job *job, oracle_random *r)
 }
 
 const case_kind case_image_kinds[] = {
-    {.name = "image", .weight = 8},
-    {.name = "image clicks 5", .weight = 2, .change = clicks_5},
-    {.name = "image clicks 15", .weight = 1, .change = clicks_15},
-    {.name = "image bright", .weight = 2, .change = bright},
-    {.name = "image grain", .weight = 2, .change = grain},
-    {.name = "image heavy grain", .weight = 1, .change = heavy},
-    {.name = "image noise only", .weight = 1, .change = noise_only},
-    {.name = "image half noise", .weight = 1, .change = half_noise},
-    {.name = "image inverted", .weight = 1, .change = inverted},
-    {.name = "image blank", .weight = 1, .change = blank},
-    {.name = "image mirrored", .weight = 1, .change = mirrored},
-    {.name = "image head down", .weight = 1, .change = head_down},
-    {.name = "image cropped", .weight = 1, .change = cropped},
-    {.name = "image shuffled", .weight = 1, .change = shuffled},
-    {.name = "image swapped", .weight = 1, .change = swapped},
-    {.name = "image marks off", .weight = 1, .change = marks_off},
-    {.name = "image other's marks", .weight = 1, .change = others_marks},
-    {.name = "image no marks", .weight = 1, .change = no_marks},
-    {.name = "image wiped", .weight = 0, .change = wiped}, /* for tracked points: no seed gives it */
+    {.family = "image", .name = "image", .weight = 8},
+    {.family = "image", .name = "image clicks 5", .weight = 2, .change = clicks_5},
+    {.family = "image", .name = "image clicks 15", .weight = 1, .change = clicks_15},
+    {.family = "image", .name = "image bright", .weight = 2, .change = bright},
+    {.family = "image", .name = "image grain", .weight = 2, .change = grain},
+    {.family = "image poor", .name = "image heavy grain", .weight = 1, .change = heavy},
+    {.family = "image poor", .name = "image noise only", .weight = 1, .change = noise_only},
+    {.family = "image poor", .name = "image half noise", .weight = 1, .change = half_noise},
+    {.family = "image poor", .name = "image inverted", .weight = 1, .change = inverted},
+    {.family = "image poor", .name = "image blank", .weight = 1, .change = blank},
+    {.family = "image poor", .name = "image mirrored", .weight = 1, .change = mirrored},
+    {.family = "image poor", .name = "image head down", .weight = 1, .change = head_down},
+    {.family = "image poor", .name = "image cropped", .weight = 1, .change = cropped},
+    {.family = "image poor", .name = "image shuffled", .weight = 1, .change = shuffled},
+    {.family = "image poor", .name = "image swapped", .weight = 1, .change = swapped},
+    {.family = "image poor", .name = "image marks off", .weight = 1, .change = marks_off},
+    {.family = "image poor", .name = "image other's marks", .weight = 1, .change = others_marks},
+    {.family = "image poor", .name = "image no marks", .weight = 1, .change = no_marks},
+    {.family = "image poor", .name = "image wiped", .weight = 0, .change = wiped}, /* for tracked points: no seed gives it */
     {.name = NULL},
 };
 
@@ -257,7 +257,7 @@ int case_image_make(case_job *job, const case_kind *kind, oracle_random *r)
     const char *const model = case_text("%s/../thigh.smr", job->directory);
     int truth = 0;
     job->image = &picture;
-    picture.patient = oracle_below(r, PATIENTS) + 1u;
+    picture.patient = PATIENTS / 2u * job->half + oracle_below(r, PATIENTS / 2u) + 1u;
     job->bone = case_text("patient_%u", picture.patient);
     const char *const patient = find_patient(job, picture.patient);
     need(model, case_text("build --model '%s'/model/*.ply --reference '%s/mri_reference.mha'", patient, patient));

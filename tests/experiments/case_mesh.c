@@ -74,9 +74,9 @@ case_body *case_add(case_data *data, const char *path, int mirror)
     return body;
 }
 
-void case_beside(case_data *data, const char *path)
+void case_beside(case_data *data, const char *path, int mirror)
 {
-    host_mesh one = case_load(path, HOST_MIRROR_NONE);
+    host_mesh one = case_load(path, mirror);
     if (host_mesh_append(&data->beside, &one) != 0)
         case_fail("out of memory");
     host_mesh_free(&one);
@@ -210,6 +210,19 @@ void case_middle(const host_mesh *mesh, double out[3])
     out[0] = out[1] = out[2] = 0.0;
     for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++)
         out[i % 3u] += (double)mesh->xyz[i] / mesh->n_vertices;
+}
+
+void case_box(const host_mesh *mesh, double middle[3], double half[3])
+{
+    for (uint32_t c = 0; c < 3u; c++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+            low = fmin(low, (double)mesh->xyz[3u * (size_t)i + c]);
+            high = fmax(high, (double)mesh->xyz[3u * (size_t)i + c]);
+        }
+        middle[c] = 0.5 * (low + high);
+        half[c] = 0.5 * (high - low);
+    }
 }
 
 void case_apply(host_mesh *mesh, const double m[9], const double about[3], const double to[3])

@@ -75,7 +75,7 @@ static void do_make(char **word)
     int i = 0;
     for (; word[i] != NULL && strchr(word[i], '=') != NULL; i++)
         if (strncmp(word[i], "beside=", 7) == 0)
-            case_beside(data, word[i] + 7);
+            case_beside(data, word[i] + 7, HOST_MIRROR_NONE);
         else
             set_option(&o, word[i]);
     for (int k = i + 1; word[k] != NULL; k++)
