@@ -252,13 +252,16 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 
 /* ------------------------------------------------------------------ 6. verdict */
-/* Levels. GOOD: no reason for doubt. LOOK: a reason to look at the result. FAILED: it says nothing about the target. */
+/* Levels of a verdict by its probability. FAILED: the result says nothing about the target. */
 enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
+#define SMR_PROBABILITY_GOOD 0.75f   /* least probability of a good verdict */
+#define SMR_PROBABILITY_FAILED 0.25f /* a lower probability fails */
 
 /* Measures of a structure, or of the whole model. -1: not measured. */
 typedef struct smr_verdict {
-    uint32_t level;          /* SMR_VERDICT_...: level of the worst reason */
+    uint32_t level;          /* SMR_VERDICT_... */
     uint32_t reasons;        /* sum of SMR_REASON_... (section 7); 0 if the level is good */
+    float probability;       /* 0..1. Share of runs with such measures that end within 1 mm (surface), 3 mm (vertex) */
     float expected_error_mm; /* mm, or -1. Mean of smr_get_expected_error() over structures that are visible enough */
     /* mm, or -1. Means of smr_get_expected_parts(), and of smr_get_expected_error() over visible vertices */
     float expected_across_mm, expected_along_mm, expected_visible_mm;
@@ -277,17 +280,15 @@ typedef struct smr_verdict {
     float stretch;      /* share. Root mean square change of parts' sizes from rest, without the model's scale */
     float volume_ratio; /* volume divided by the volume at rest, without the model's scale; 1 for open surfaces */
     float rotation_deg; /* degrees, 0..180. Largest rotation of a part from rest, relative to the whole model */
-    /* degrees, 0..180. Rotation of the whole model from the start; above 40 rigid kinematics is inexact */
-    float turned_deg;
-    float bend_mm;           /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
+    float turned_deg; /* degrees, 0..180. Rotation of the model from the start; above 40 rigid kinematics is inexact */
+    float bend_mm;    /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
     float scale, scale_rest; /* present size divided by the size at the start, and by the size at rest */
     float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
 
-/* Measures and judges one structure, or SMR_ALL. The cost is a closest-point search for each vertex and for each
- * triangle of its target, and about 9,000 multiplications for each vertex. The call changes no result and runs on one
- * thread. Errors: E_NULL, E_INPUT, E_STATE (not a registration; called from within a tick; a target surface has
- * changed; an iteration is under way, whose memory the call needs: tick until SMR_OK). */
+/* Measures and judges one structure, or SMR_ALL, without a change of the result, on one thread. The cost is a closest
+ * point for each vertex and target triangle, and about 9,000 multiplications for each vertex. Errors: E_NULL, E_INPUT,
+ * E_STATE (no registration; within a tick; a changed target; an iteration under way: tick until SMR_OK). */
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict);
 
 /* Returns one sentence for one bit of smr_verdict.reasons: measure and advice. Any other argument gives "". */

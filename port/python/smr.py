@@ -220,8 +220,8 @@ class Energy(_Struct):
 
 class Verdict(_Struct):
     """Whether a result can be relied on, and what was measured (smr_verdict). -1: nothing of the kind was measured."""
-    _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("expected_across_mm", _F),
-                ("expected_along_mm", _F), ("expected_visible_mm", _F), ("visible_share", _F),
+    _fields_ = [("level", _U), ("reasons", _U), ("probability", _F), ("expected_error_mm", _F),
+                ("expected_across_mm", _F), ("expected_along_mm", _F), ("expected_visible_mm", _F), ("visible_share", _F),
                 ("target_covered", _F), ("other_share", _F), ("residual_mm", _F), ("normals_agree", _F), ("image_similarity", _F),
                 ("goals_share", _F), ("strain", _F), ("stretch", _F), ("volume_ratio", _F), ("rotation_deg", _F), ("turned_deg", _F), ("bend_mm", _F),
                 ("scale", _F), ("scale_rest", _F), ("moved_last_mm", _F)]

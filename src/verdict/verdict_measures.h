@@ -66,8 +66,9 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e);
 /* Measures the motion of a structure or of the whole model (SMR_ALL): scale, scale_rest and turned_deg. */
 void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
 
-/* Sets level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures. */
-void smr_judge(smr_verdict *verdict, float edge_mm, int whole);
+/* Sets probability, level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures.
+ * strays: share of a cloud's points that are outliers. */
+void smr_judge(smr_verdict *verdict, float edge_mm, int whole, float strays);
 
 /* The expected error of stored vertex v, then its parts across the surface and along it, mm; below 0: unknown. They lie
  * in the memory of records behind the rings. */

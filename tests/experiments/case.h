@@ -162,12 +162,13 @@ typedef struct case_bone {
     char sort;               /* f: femur, h: hip bone, p: patella, u: upper end of a femur */
     uint32_t half;           /* rules are fitted to runs of half 0 and held to those of half 1 */
     int right;               /* is mirrored, so that all models are left ones */
+    int slow;                /* has many vertices and comes more seldom */
     const char *beside;      /* the neighbour's file, or NULL */
 } case_bone;
 
 /* A run that is to be made. */
 typedef struct case_job {
-    const char *bone; /* its name */
+    const char *bone;    /* its name */
     const case_bone *of; /* NULL for an image */
     uint32_t half;       /* of the bones or patients */
     const char *data_path, *directory;
@@ -191,10 +192,10 @@ typedef struct case_kind {
 } case_kind;
 
 case_change case_metres, case_inside_out, case_other_bone, case_wrong_side, case_upside_down, case_twisted, case_scaled,
-    case_scaled_little, case_stretched, case_tibia, case_half_replaced, case_twin, case_middle_part, case_sphere, case_flat,
-    case_soup, case_person, case_person_top, case_person_low, case_person_mirrored, case_neighbour, case_points,
-    case_few_points, case_stray_points, case_point_blob, case_same_mesh, case_uneven, case_marks, case_marks_swapped,
-    case_marks_off;
+    case_scaled_little, case_stretched, case_tibia, case_half_replaced, case_twin, case_middle_part, case_sphere,
+    case_flat, case_soup, case_person, case_person_top, case_person_low, case_person_mirrored, case_neighbour,
+    case_points, case_few_points, case_stray_points, case_point_blob, case_same_mesh, case_uneven, case_marks,
+    case_marks_swapped, case_marks_off;
 
 /* A bone of that half and of those sorts, whose name is another one. */
 const case_bone *case_choose_bone(uint32_t half, const char *sorts, const char *but, oracle_random *r);

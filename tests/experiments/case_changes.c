@@ -10,20 +10,20 @@ static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, origin[3] = {0, 0
 
 /* The femurs, hip bones and patellas in two halves: a rule that is fitted to one half has not seen the other. */
 static const case_bone bones[] = {
-    {"m_right", "femurs/femur_m_right.ply", 'f', 0, 1, NULL},
-    {"2008", "femurs/femur_2008_0019_left_3k.ply", 'f', 0, 0, NULL},
-    {"person_femur", "thigh_person/truth/femur.ply", 'f', 0, 1, "thigh_person/truth/hip_bone.ply"},
-    {"hip_bone", "hip_thigh_vhm/hip_bone.ply", 'h', 0, 1, "hip_thigh_vhm/femur.ply"},
-    {"person_hip", "thigh_person/truth/hip_bone.ply", 'h', 0, 1, "thigh_person/truth/femur.ply"},
-    {"patella", "hip_thigh_vhm/patella.ply", 'p', 0, 1, "hip_thigh_vhm/femur.ply"},
-    {"hip_thigh", "hip_thigh_vhm/femur.ply", 'f', 1, 1, "hip_thigh_vhm/hip_bone.ply"},
-    {"2007", "femurs/femur_2007_5028_left_3k.ply", 'f', 1, 0, NULL},
-    {"upper_right", "ct_hips_surfaces/femur_proximal_right.ply", 'u', 1, 1, "ct_hips_surfaces/hip_bone_right.ply"},
-    {"upper_left", "ct_hips_surfaces/femur_proximal_left.ply", 'u', 1, 0, "ct_hips_surfaces/hip_bone_left.ply"},
-    {"hip_right", "ct_hips_surfaces/hip_bone_right.ply", 'h', 1, 1, "ct_hips_surfaces/femur_proximal_right.ply"},
-    {"hip_left", "ct_hips_surfaces/hip_bone_left.ply", 'h', 1, 0, "ct_hips_surfaces/femur_proximal_left.ply"},
-    {"person_patella", "thigh_person/truth/patella.ply", 'p', 1, 1, "thigh_person/truth/femur.ply"},
-    {NULL, NULL, 0, 0, 0, NULL},
+    {"m_right", "femurs/femur_m_right.ply", 'f', 0, 1, 1, NULL},
+    {"2008", "femurs/femur_2008_0019_left_3k.ply", 'f', 0, 0, 1, NULL},
+    {"person_femur", "thigh_person/truth/femur.ply", 'f', 0, 1, 0, "thigh_person/truth/hip_bone.ply"},
+    {"hip_bone", "hip_thigh_vhm/hip_bone.ply", 'h', 0, 1, 0, "hip_thigh_vhm/femur.ply"},
+    {"person_hip", "thigh_person/truth/hip_bone.ply", 'h', 0, 1, 0, "thigh_person/truth/femur.ply"},
+    {"patella", "hip_thigh_vhm/patella.ply", 'p', 0, 1, 0, "hip_thigh_vhm/femur.ply"},
+    {"hip_thigh", "hip_thigh_vhm/femur.ply", 'f', 1, 1, 0, "hip_thigh_vhm/hip_bone.ply"},
+    {"2007", "femurs/femur_2007_5028_left_3k.ply", 'f', 1, 0, 1, NULL},
+    {"upper_right", "ct_hips_surfaces/femur_proximal_right.ply", 'u', 1, 1, 0, "ct_hips_surfaces/hip_bone_right.ply"},
+    {"upper_left", "ct_hips_surfaces/femur_proximal_left.ply", 'u', 1, 0, 0, "ct_hips_surfaces/hip_bone_left.ply"},
+    {"hip_right", "ct_hips_surfaces/hip_bone_right.ply", 'h', 1, 1, 1, "ct_hips_surfaces/femur_proximal_right.ply"},
+    {"hip_left", "ct_hips_surfaces/hip_bone_left.ply", 'h', 1, 0, 1, "ct_hips_surfaces/femur_proximal_left.ply"},
+    {"person_patella", "thigh_person/truth/patella.ply", 'p', 1, 1, 0, "thigh_person/truth/femur.ply"},
+    {NULL, NULL, 0, 0, 0, 0, NULL},
 };
 
 const case_bone *case_choose_bone(uint32_t half, const char *sorts, const char *but, oracle_random *r)
@@ -118,8 +118,13 @@ int case_inside_out(case_job *job, oracle_random *r) { return (void)r, turn_over
 int case_other_bone(case_job *job, oracle_random *r)
 {
     const char sort = job->of->sort;
-    host_mesh other =
-        read_bone(job, case_choose_bone(job->half, sort == 'h' ? "f" : sort == 'p' ? "fh" : "hp", "", r), 0);
+    host_mesh other = read_bone(job,
+                                case_choose_bone(job->half,
+                                                 sort == 'h'   ? "f"
+                                                 : sort == 'p' ? "fh"
+                                                               : "hp",
+                                                 "", r),
+                                0);
     double from[3], to[3];
     case_middle(&other, from);
     case_middle(target_of(job), to);
@@ -134,8 +139,7 @@ int case_wrong_side(case_job *job, oracle_random *r)
     (void)r;
     (void)change_target(job, m);
     turn_over(target_of(job));
-    turn_over(&job->data.body[0].whole);
-    return 0;
+    return other_body(job);
 }
 
 int case_upside_down(case_job *job, oracle_random *r)
@@ -307,7 +311,8 @@ int case_neighbour(case_job *job, oracle_random *r)
 /* Points instead of a surface. */
 static int cloud_of(case_job *job, oracle_random *r, double least, double most, double strays, double blob)
 {
-    const uint32_t n = (uint32_t)(least * pow(most / least, oracle_uniform(r, 0.0, 1.0))), seed = oracle_below(r, 1000u);
+    const uint32_t n = (uint32_t)(least * pow(most / least, oracle_uniform(r, 0.0, 1.0))),
+                   seed = oracle_below(r, 1000u);
     host_mesh cloud = case_new_mesh(n, 0);
     float *const normal = case_alloc(3u * (size_t)n, sizeof *normal);
     case_sample(target_of(job), n, 0.3, seed, cloud.xyz, normal);
@@ -378,4 +383,3 @@ static int add_marks(case_job *job, oracle_random *r, double off, uint32_t swapp
 int case_marks(case_job *job, oracle_random *r) { return add_marks(job, r, 0.0, 0); }
 int case_marks_swapped(case_job *job, oracle_random *r) { return add_marks(job, r, 0.0, 1); }
 int case_marks_off(case_job *job, oracle_random *r) { return add_marks(job, r, 90.0, 0); }
-

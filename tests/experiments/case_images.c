@@ -193,7 +193,10 @@ const case_kind case_image_kinds[] = {
     {.family = "image poor", .name = "image marks off", .weight = 1, .change = marks_off},
     {.family = "image poor", .name = "image other's marks", .weight = 1, .change = others_marks},
     {.family = "image poor", .name = "image no marks", .weight = 1, .change = no_marks},
-    {.family = "image poor", .name = "image wiped", .weight = 0, .change = wiped}, /* for tracked points: no seed gives it */
+    {.family = "image poor",
+     .name = "image wiped",
+     .weight = 0,
+     .change = wiped}, /* for tracked points: no seed gives it */
     {.name = NULL},
 };
 

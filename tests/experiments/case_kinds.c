@@ -114,7 +114,9 @@ static case_options options_of(const case_kind *kind, uint32_t seed, oracle_rand
 
 static int make_surfaces(case_job *job, const case_kind *kind, uint32_t seed, oracle_random *r)
 {
-    job->of = case_choose_bone(job->half, kind->sorts != NULL ? kind->sorts : "fhpu", "", r);
+    const char *const sorts = kind->sorts != NULL ? kind->sorts : "fhpu";
+    job->of = case_choose_bone(job->half, sorts, "", r);
+    job->of = job->of->slow ? case_choose_bone(job->half, sorts, "", r) : job->of;
     job->bone = job->of->name;
     const int mirror = job->of->right ? HOST_MIRROR_X : HOST_MIRROR_NONE;
     const case_options o = options_of(kind, seed, r);

@@ -1,7 +1,8 @@
 # judge.awk: what the rows of many runs show about verdicts.
 # SPDX-License-Identifier: MIT
-# usage: awk -f judge.awk RUNS     lines "seed kind bone hopeless image overlap good surface vertex spearmanX ratioX", of
-# which X is empty where it is unknown. Prints figures of the even and of the odd seeds, and a line for each kind.
+# usage: awk -f judge.awk RUNS     lines "seed kind bone hopeless image overlap good surface vertex spearmanX ratioX family
+# level probability", of which X is empty where it is unknown; level 0: good, 1: look, 2: failed. Even seeds have the
+# bones that the rules were fitted to, odd ones the others. Prints figures of both, and a line for each family.
 function sort(list, n,   i, k, x) {
     for (i = 2; i <= n; i++) {
         x = list[i]
@@ -9,55 +10,74 @@ function sort(list, n,   i, k, x) {
         list[k + 1] = x
     }
 }
-# Clopper and Pearson: the largest share p for which k or fewer of n are not less likely than 5 %.
-function upper(k, n,   low, high, p, i, j, sum) {
-    if (n == 0 || k >= n) return 1
-    high = 1
-    for (i = 0; i < 60; i++) {
-        p = (low + high) / 2
-        sum = 0
-        for (j = 0; j <= k; j++) sum += exp(log_of[n] - log_of[j] - log_of[n - j] + j * log(p) + (n - j) * log(1 - p))
-        if (sum > 0.05) low = p
-        else high = p
-    }
-    return (low + high) / 2
+# Wilson's bounds, %, of the share k of n at 95 %: sign -1 for the lower one, 1 for the upper one.
+function wilson(k, n, sign,   z, p) {
+    if (n == 0) return sign < 0 ? 0 : 100
+    z = 1.96
+    p = k / n
+    p = (p + z * z / (2 * n) + sign * z * sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n)
+    return 100 * (p < 0 ? 0 : p > 1 ? 1 : p)
 }
-function count(half, by, error) {
-    far[half, by] += error > 3
-    far_good[half, by] += error > 3 && good
-    near[half, by] += error < 1
-    near_not[half, by] += error < 1 && !good
+function count(class, probability,   of, level) {
+    of = half SUBSEP class
+    n[of]++
+    n_family[of, $12]++
+    for (level = 0; level < 3; level++)
+        if ($13 == level) { called[of, level]++; called_family[of, $12, level]++ }
+    for (i = 1; i <= steps; i++) if (probability >= step[i]) over[of, i]++
 }
-BEGIN { for (i = 1; i <= 2000; i++) log_of[i] = log_of[i - 1] + log(i) }
+# A figure of the class: the share with the level as a mean over families, then count, pooled share's count and bounds.
+function tell(half, class, level, word,   of, f, sum, families) {
+    of = half SUBSEP class
+    for (f in n_kind)
+        if (n_family[of, f] > 0) { families++; sum += called_family[of, f, level] / n_family[of, f] }
+    printf "%s.%s %d\n%s.%s_%s %d\n%s.%s_%s_mean %.2f\n%s.%s_%s_least %.2f\n%s.%s_%s_most %.2f\n", half, class, n[of],
+        half, class, word, called[of, level], half, class, word, families ? 100 * sum / families : 0,
+        half, class, word, wilson(called[of, level], n[of], -1), half, class, word, wilson(called[of, level], n[of], 1)
+}
+BEGIN { steps = split("0.5 0.6 0.7 0.75 0.8 0.9 0.95", step, " "); bins = split("0 0.25 0.5 0.75 0.9 1.01", bin, " ") }
 {
     half = $1 % 2 ? "odd" : "even"
-    good = $7
-    surface = $4 || $8 == "" || $8 < 0 ? 1e9 : $8 + 0
-    vertex = surface < 1e9 && $9 >= 0 ? $9 + 0 : surface
-    count(half, "surface", surface)
-    count(half, "vertex", vertex)
+    vertex = !$4 && $9 >= 0
+    lost = $8 == "" || $8 < 0
+    other = $12 == "wrong_bone" || $12 == "mirrored"
+    right = !lost && !other && $8 < 1 && (!vertex || $9 < 3)
+    if (right) count("right", $14)
+    if (lost || other || $8 > 2 || (vertex && $9 > 6)) count("wrong", $14)
+    if (lost || $8 > 10 || (vertex && $9 > 20)) count("gross", $14)
+    for (i = 1; i < bins; i++) if ($14 >= bin[i] && $14 < bin[i + 1]) { n_bin[half, i]++; right_bin[half, i] += right }
     spearman = substr($10, 9)
     ratio = substr($11, 6)
     if (!$4 && $9 >= 0 && ratio != "") { ratios[half]++; ratios_in[half] += ratio >= 0.7 && ratio <= 1.5 }
     if (!$4 && $9 >= 0 && spearman != "" && ($5 || $6 < 0.95)) ranks[half, ++n_ranks[half]] = spearman + 0
-    n_kind[$2]++
-    good_kind[$2] += good
+    n_kind[$12]++
+    good_kind[$12] += $7
 }
 END {
-    print "even.none_of_58", upper(0, 58)
     for (h = 0; h < 2; h++) {
         half = h ? "odd" : "even"
-        for (b = 0; b < 2; b++) {
-            by = b ? "vertex" : "surface"
-            printf "%s.%s_far %d\n%s.%s_far_good %d\n%s.%s_far_most %.4f\n", half, by, far[half, by], half, by,
-                far_good[half, by], half, by, 100 * upper(far_good[half, by], far[half, by])
-            printf "%s.%s_near %d\n%s.%s_near_not %d\n%s.%s_near_most %.4f\n", half, by, near[half, by], half, by,
-                near_not[half, by], half, by, 100 * upper(near_not[half, by], near[half, by])
-        }
-        for (i = 1; i <= n_ranks[half]; i++) list[i] = ranks[half, i]
-        sort(list, n_ranks[half])
-        printf "%s.spearman %.2f\n%s.ratios %d\n%s.ratios_in %.2f\n", half, list[int(n_ranks[half] / 2) + 1], half,
+        tell(half, "right", 0, "good")
+        tell(half, "right", 2, "failed")
+        tell(half, "wrong", 0, "good")
+        tell(half, "gross", 2, "failed")
+        for (i = 1; i <= steps; i++)
+            printf "%s.right_over_%d %.1f\n%s.wrong_over_%d %.1f\n", half, 100 * step[i],
+                100 * over[half, "right", i] / (n[half, "right"] + !n[half, "right"]), half, 100 * step[i],
+                100 * over[half, "wrong", i] / (n[half, "wrong"] + !n[half, "wrong"])
+        for (i = 1; i < bins; i++)
+            printf "%s.in_%d %d\n%s.right_in_%d %.0f\n", half, 100 * bin[i], n_bin[half, i], half, 100 * bin[i],
+                100 * right_bin[half, i] / (n_bin[half, i] + !n_bin[half, i])
+        m = n_ranks[half]
+        for (i = 1; i <= m; i++) list[i] = ranks[half, i]
+        sort(list, m)
+        printf "%s.spearman %.2f\n%s.ratios %d\n%s.ratios_in %.2f\n", half, list[int(m / 2) + 1], half,
             ratios[half], half, 100 * ratios_in[half] / (ratios[half] ? ratios[half] : 1)
     }
-    for (k in n_kind) printf "  %-20s %4d runs, %4d good\n", k, n_kind[k], good_kind[k]
+    for (k in n_kind) {
+        printf "  %-12s %4d runs, %4d good", k, n_kind[k], good_kind[k]
+        for (c = split("right wrong gross", class, " "); c > 0; c--)
+            printf "; %s %d: %d %d %d", class[c], n_family["odd", class[c], k], called_family["odd", class[c], k, 0],
+                called_family["odd", class[c], k, 1], called_family["odd", class[c], k, 2]
+        print ""
+    }
 }

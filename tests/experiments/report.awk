@@ -30,6 +30,8 @@ END {
     }
     tell("status", status)
     print "good", v["verdict"] == "good"
+    print "level", v["verdict"] == "good" ? 0 : v["verdict"] == "look" ? 1 : 2
+    tell("probability", v["probability"])
     tell("to", to)
     tell("from", from)
     if (to != "" && from != "") tell("mean", larger(to, from))

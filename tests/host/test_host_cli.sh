@@ -28,7 +28,7 @@ grep ^f source.obj >source.f
 check "same triangles in the same order" cmp result.f source.f
 for key in version structures vertices clusters indexes_per_cluster indexes_per_cluster_direct ticks converged threads \
     method radius_mm time_s prepare start register tick_ms min median p99 max budget_ms overruns memory_bytes model \
-    arena volume verdict reasons expected_error_mm command inputs path bytes crc32 distance_mm vertex_distance_mm model_to_target target_to_model mean rms p95 folds state_hash; do
+    arena volume verdict reasons probability expected_error_mm command inputs path bytes crc32 distance_mm vertex_distance_mm model_to_target target_to_model mean rms p95 folds folds_deepest_mm state_hash; do
     grep -q "\"$key\":" out/report.json || echo "$key" >>missing.txt
 done
 check "report.json has every promised key" [ ! -e missing.txt ]

@@ -26,7 +26,7 @@ refuses() {
 check "follows" has_verdict look "$SMR" track --model bone.ply --frames frames/*.ply --fps 10 -o out
 said() { [ "$(tail -n 1 out.txt | cut -c-"${#1}")" = "$1" ] || { tail -n 2 out.txt; return 1; }; } # begin of the last line
 check "says of how many frames which are good" grep -q '^4 frames: 4 good, 0 to look at, 0 failed$' out.txt
-check "and what the last one is" said "verdict of the last frame, f3: good (expected error "
+check "and what the last one is" said "verdict of the last frame, f3: good (probability "
 check "no other is worse" [ "$(grep -c '^verdict' out.txt)" -eq 1 ]
 check "writes a line for each frame" [ "$(wc -l <out/track.csv)" -eq 5 ]
 check "says what is in it" [ "$(head -n 1 out/track.csv)" = "frame,time_s,ticks,residual_mm,verdict,settled,jumped,recovering,target_serial" ]
@@ -148,7 +148,7 @@ moved() { # structure: mean way of its vertices from the first frame to the last
 for part in femur psoas_major vastus_intermedius; do
     check "$part stays where it is" awk -v mm="$(moved "$part")" 'BEGIN { exit !(mm != "" && mm < 0.8) }'
 done
-check "says why" sh -c 'tail -n 1 out.txt | grep -q "^verdict of the last frame, still3: look at the result: .*: look at .* (expected error [0-9.]* mm)\$"'
+check "says why" sh -c 'tail -n 1 out.txt | grep -q "^verdict of the last frame, still3: look at the result: .*: look at .* (probability [0-9.]*, expected error [0-9.]* mm)\$"'
 check "names what was not held" grep -q "in themselves, and in how many frames: .*vastus_intermedius 4" out.txt
 refuses "images without a reference" "--reference" --model thigh/model/femur.ply --frames i0.mha i1.mha
 refuses "a surface among images" "bone.ply: frame: expected a volume" --model thigh/model/femur.ply --reference thigh/mri_reference.mha --frames i0.mha bone.ply

@@ -41,8 +41,8 @@ static void check_shape(const host_volume *grid, unsigned s, double least_dice)
     const smr_mesh view = host_mesh_view(mesh);
     const double volume = mesh_volume(mesh), normals = normal_error(mesh, shapes[s].f),
                  same = dice_of(mesh, grid, map.index, NULL), other = dice_of(mesh, &millimetre, NULL, shapes[s].f);
-    uint64_t folds = 0, absolute = 0;
-    assert_int_equal(host_count_folds(&view, NULL, &folds, &absolute), 0);
+    host_folds folds;
+    assert_int_equal(host_count_folds(&view, NULL, &folds), 0);
     print_message(
         "%-10s %4.2f %4.2f %4.2f mm  volume %+.3f %%  normals %5.2f deg  Dice %.5f, at 1 mm %.5f  folds %u %u\n",
         shapes[s].name, (double)grid->spacing[0], (double)grid->spacing[1], (double)grid->spacing[2],

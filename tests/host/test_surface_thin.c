@@ -95,8 +95,8 @@ static double check_thin(unsigned s, const host_label_surface *whole, uint32_t m
     host_label_surface *const thin = surface_of(thinned[s].inside, most);
     const double there = farthest(&thin->mesh, &whole->mesh), back = farthest(&whole->mesh, &thin->mesh);
     const smr_mesh view = host_mesh_view(&thin->mesh);
-    uint64_t folds = 0, absolute = 0;
-    assert_int_equal(host_count_folds(&view, NULL, &folds, &absolute), 0);
+    host_folds folds;
+    assert_int_equal(host_count_folds(&view, NULL, &folds), 0);
     print_message("%-9s %5u -> %4u triangles  volume %+.5f %%  area %+.2f %%  farthest %.3f, back %.3f mm  folds %u\n",
                   thinned[s].name, whole->mesh.n_triangles, thin->mesh.n_triangles,
                   100.0 * (thin->volume / whole->volume - 1.0), 100.0 * (thin->area / whole->area - 1.0), there, back,

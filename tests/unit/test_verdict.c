@@ -222,24 +222,24 @@ TEST(test_part)
     for (uint32_t k = 0; k < 4u; k++) { /* part or whole, little or more expected */
         v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 3.3f : 3.5f);
         for (int whole = 0; whole < 2; whole++) {
-            smr_judge(&v, 4.0f, whole);
+            smr_judge(&v, 4.0f, whole, 0.0f);
             assert_int_equal(k == 1u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
             assert_int_equal(k == 1u ? SMR_REASON_LITTLE_VISIBLE : 0u, v.reasons);
         }
     }
     v = fair(0.02f, 3.5f);
     v.target_covered = v.normals_agree = -1.0f;
-    smr_judge(&v, 4.0f, 1);
+    smr_judge(&v, 4.0f, 1, 0.0f);
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* landmarks alone */
     v = fair(0.7f, 3.5f);
     v.target_covered = v.normals_agree = -1.0f;
     v.goals_share = v.image_similarity = 0.95f;
-    smr_judge(&v, 4.0f, 1);
+    smr_judge(&v, 4.0f, 1, 0.0f);
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* an image */
     for (uint32_t k = 0; k < 4u; k++) {
         v = fair(k < 2u ? 0.7f : 0.9f, 1.0f);
         v.scale = k % 2u == 0u ? 1.05f : 1.07f;
-        smr_judge(&v, 4.0f, 1);
+        smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(k == 1u ? SMR_REASON_SCALE : 0u, v.reasons);
     }
 }
@@ -253,7 +253,7 @@ TEST(test_together)
         v = fair(k < 2u ? 0.99f : 0.9f, 1.0f);
         v.target_covered = 0.6f;
         v.rotation_deg = k % 2u == 0u ? 0.0f : 16.0f;
-        smr_judge(&v, 4.0f, 1);
+        smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
         assert_int_equal((k == 0u ? 0u : SMR_REASON_UNCOVERED) | (k % 2u == 0u ? 0u : SMR_REASON_ROTATION), v.reasons);
     }
@@ -268,7 +268,7 @@ TEST(test_together)
         v.volume_ratio = 1.3f;
         v.bend_mm = 21.0f;
         v.scale = k == 0u ? 1.0f : 1.3f;
-        smr_judge(&v, 4.0f, 1);
+        smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : SMR_VERDICT_FAILED, v.level);
     }
     for (uint32_t k = 0; k < 4u; k++) { /* on a surface or in an image that is like the reference, or in another */
@@ -279,7 +279,7 @@ TEST(test_together)
             v.goals_share = 0.95f;
             v.image_similarity = k == 2u ? 0.9f : 0.7f;
         }
-        smr_judge(&v, 4.0f, 1);
+        smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : k == 2u ? SMR_VERDICT_GOOD : SMR_VERDICT_FAILED, v.level);
     }
     for (uint32_t k = 0; k < 2u; k++) { /* the whole target, or the most of it */
@@ -287,7 +287,7 @@ TEST(test_together)
         v.rotation_deg = 16.0f;
         v.stretch = 0.08f;
         v.volume_ratio = 0.76f;
-        smr_judge(&v, 4.0f, 1);
+        smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
     }
 }
@@ -309,7 +309,7 @@ TEST(test_strain)
         v.strain = all[i].strain;
         if (!all[i].surface)
             v.target_covered = v.normals_agree = -1.0f;
-        smr_judge(&v, 4.0f, 1);
+        smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(all[i].reasons, v.reasons);
     }
 }

@@ -154,7 +154,7 @@ static void forget_result(host_job *job)
     job->arena = NULL;
     job->ticks = 0;
     job->ticks_s = 0.0;
-    job->folds = job->folds_absolute = 0;
+    job->folds = (host_folds){0, 0, 0.0};
     memset(&job->last, 0, sizeof job->last);
 }
 

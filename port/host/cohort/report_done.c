@@ -237,6 +237,7 @@ void host_report_line(const host_report_head *head, const char *directory, int s
     for (uint32_t i = 0; i < head->verdict.n_reasons; i++)
         host_json_text(&json, NULL, head->verdict.reason[i]);
     host_json_close(&json, ']');
+    host_json_number(&json, "probability", head->verdict.probability);
     host_json_number(&json, "expected_error_mm", head->verdict.expected_error_mm);
     put_distances(&json, head);
     host_json_number(&json, "hausdorff_mm", head->hausdorff_mm);

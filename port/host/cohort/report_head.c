@@ -225,6 +225,7 @@ static const host_scan_field top_fields[] = {{"version", read_version, IN_HEAD(v
                                              {"folds", read_count, IN_HEAD(folds)},
                                              {"per_structure", read_parts, 0},
                                              {"expected_error_mm", read_number, IN_HEAD(verdict.expected_error_mm)},
+                                             {"probability", read_number, IN_HEAD(verdict.probability)},
                                              {"exit_status", read_exit_status, IN_HEAD(exit_status)},
                                              {"distance_mm", read_distances, 0},
                                              {"hausdorff_mm", read_number, IN_HEAD(hausdorff_mm)},
@@ -237,7 +238,7 @@ static void clear(host_report_head *head)
 {
     memset(head, 0, sizeof *head);
     head->exit_status = -1;
-    head->verdict.expected_error_mm = (double)NAN;
+    head->verdict.probability = head->verdict.expected_error_mm = (double)NAN;
     head->hausdorff_mm = (double)NAN;
     head->seconds = (double)NAN;
 }

@@ -87,7 +87,7 @@ typedef struct measured {
     smr_surface *surface[2];
     void *memory[2];                 /* owned */
     host_stats area[2], vertices[2]; /* A to B, B to A */
-    uint64_t folds, absolute;
+    host_folds folds;
     smr_contact_report contact; /* all 0 where they are not two closed surfaces */
 } measured;
 
@@ -158,8 +158,7 @@ static int evaluate(measured *m, const smr_port *port)
     if (m->surface[0] != NULL && m->surface[1] != NULL &&
         smr_surface_contact(m->surface[0], m->surface[1], CONTACT_MM, &m->contact) != SMR_OK)
         return -1;
-    return a.n_triangles == 0 ? 0
-                              : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds, &m->absolute);
+    return a.n_triangles == 0 ? 0 : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds);
 }
 
 /* One direction. Points have no area. */
@@ -195,9 +194,9 @@ static void print(const measured *m)
                      (double)m->contact.deepest_mm, (double)m->contact.volume_mm3, (double)CONTACT_MM,
                      (double)m->contact.area_mm2);
     if (m->n == 3)
-        (void)printf("folds: %" PRIu64 "  (edges turned back in A: %" PRIu64 ")\n", m->folds, m->absolute);
+        (void)printf("folds: %" PRIu64 "  (edges turned back in A: %" PRIu64 ")\n", m->folds.n, m->folds.all);
     else if (m->surface[0] != NULL)
-        (void)printf("folds: %" PRIu64 "  (edges turned back in A; --source tells new ones)\n", m->absolute);
+        (void)printf("folds: %" PRIu64 "  (edges turned back in A; --source tells new ones)\n", m->folds.all);
 }
 
 /* What label maps alone can use. */

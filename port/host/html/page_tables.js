@@ -125,6 +125,7 @@ function registrationFigures() {
     back && figure(`${targetWord} to model`, digits(back.mean), 'mm', tail(back)),
     start && end && figure('before \u2192 after', `${digits(start.mean, 1)}\u2009\u2192\u2009${digits(end.mean)}`, 'mm', `mean over vertices, to the ${targetWord}\u2019s surface`),
     vertex && figure('vertex to its true place', digits(vertex.mean), 'mm', `mean; largest ${digits(vertex.max)}`),
+    figure('probability', digits(report.probability, 2), '', 'of being right within 1 mm; what the registration itself says'),
     figure('expected error', digits(report.expected_error_mm), report.expected_error_mm === null ? '' : 'mm', 'mean; what the registration itself says'),
     moved && figure('moved from the start', digits(moved.mean, 1), 'mm', `mean; largest ${digits(moved.max, 1)}`),
     figure('structures', `${structures.filter((s) => s.facts.verdict === 'good').length} of ${structures.length}`, '', 'are good'),

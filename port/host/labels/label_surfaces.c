@@ -225,15 +225,15 @@ static void measure(const host_mesh *mesh, double *volume, double *area)
 /* Fewer triangles, and what they are. 0, or -1 when out of memory. */
 static int thin(host_label_surface *s, uint32_t most)
 {
-    uint64_t folds = 0, absolute = 0;
+    host_folds folds;
     if (most == 0 || s->mesh.n_triangles <= most)
         return 0;
     if (host_surface_thin(&s->mesh, most) != 0)
         return -1;
     smr_mesh view = host_mesh_view(&s->mesh);
-    if (host_count_folds(&view, NULL, &folds, &absolute) != 0)
+    if (host_count_folds(&view, NULL, &folds) != 0)
         return -1;
-    s->folds = (uint32_t)absolute;
+    s->folds = (uint32_t)folds.all;
     measure(&s->mesh, &s->volume, &s->area);
     return 0;
 }

@@ -217,12 +217,20 @@ static int is_fold(const float *xyz, const uint32_t *a, const uint32_t *b)
     return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0;
 }
 
-int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute)
+/* The triangle's height over one of its sides. */
+static double height_over(const float *xyz, const uint32_t *triangle, uint32_t side)
+{
+    const float *const p = xyz + 3u * (size_t)triangle[side], *const q = xyz + 3u * (size_t)triangle[(side + 1u) % 3u];
+    const double x = (double)p[0] - (double)q[0], y = (double)p[1] - (double)q[1], z = (double)p[2] - (double)q[2];
+    const double length = sqrt(x * x + y * y + z * z);
+    return length > 0.0 ? 2.0 * area_of(xyz, triangle) / length : 0.0;
+}
+
+int host_count_folds(const smr_mesh *mesh, const float *source_xyz, host_folds *folds)
 {
     host_half_edges edges;
     size_t end = 0;
-    *folds = 0;
-    *absolute = 0;
+    *folds = (host_folds){0, 0, 0.0};
     if (host_half_edges_make(mesh, &edges) != 0)
         return -1;
     for (size_t v = 0; v < mesh->n_vertices; v++)
@@ -230,12 +238,17 @@ int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *fo
             end = host_half_edges_end(&edges, v, i);
             if (end - i != 2u)
                 continue;
-            const uint32_t *a = mesh->triangles + 3u * (size_t)(edges.edge[i].side / 3u);
-            const uint32_t *b = mesh->triangles + 3u * (size_t)(edges.edge[i + 1u].side / 3u);
+            const uint32_t side[2] = {edges.edge[i].side, edges.edge[i + 1u].side};
+            const uint32_t *a = mesh->triangles + 3u * (size_t)(side[0] / 3u);
+            const uint32_t *b = mesh->triangles + 3u * (size_t)(side[1] / 3u);
             if (!is_fold(mesh->xyz, a, b))
                 continue;
-            *absolute += 1;
-            *folds += source_xyz == NULL || !is_fold(source_xyz, a, b);
+            folds->all++;
+            if (source_xyz != NULL && is_fold(source_xyz, a, b))
+                continue;
+            folds->n++;
+            folds->deepest_mm = fmax(folds->deepest_mm, fmin(height_over(mesh->xyz, a, side[0] % 3u),
+                                                             height_over(mesh->xyz, b, side[1] % 3u)));
         }
     host_half_edges_free(&edges);
     return 0;

@@ -70,10 +70,15 @@ host_stats host_stats_of(host_weighted *value, size_t n);
 /* Builds a surface in *memory; free(*memory) releases both. NULL when the mesh has no triangle or memory is short. */
 smr_surface *host_surface_make(const smr_mesh *mesh, void **memory);
 
-/* Counts folds: interior edges (exactly two triangles) where the triangles' normals have a negative dot product in
- * `mesh`. *absolute: all of them; *folds: those that are no folds at source_xyz, the vertices before the deformation
- * (NULL: *folds = *absolute). 0, or -1 when out of memory. */
-int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute);
+/* Folds: interior edges (exactly two triangles) where the triangles' normals have a negative dot product. */
+typedef struct host_folds {
+    uint64_t n, all;   /* those that are no folds before the deformation; all of them */
+    double deepest_mm; /* of the n: largest height over the edge of the smaller one of both triangles */
+} host_folds;
+
+/* Counts folds of `mesh`. source_xyz: the vertices before the deformation (NULL: n is all). 0, or -1 when out of
+ * memory. */
+int host_count_folds(const smr_mesh *mesh, const float *source_xyz, host_folds *folds);
 
 /* The mesh's vertices as a cloud in *memory; free(*memory) releases it. NULL when memory is short. */
 smr_points *host_points_make(const host_mesh *mesh, void **memory);

@@ -195,8 +195,8 @@ static void count_folds(void *arg, uint32_t task, uint32_t worker)
     host_result *const result = &job->result[task];
     const smr_mesh view = host_mesh_view(&result->mesh);
     (void)worker;
-    if (host_count_folds(&view, job->model.part[task].mesh.xyz, &result->folds, &result->folds_absolute) != 0)
-        result->folds_absolute = UINT64_MAX;
+    if (host_count_folds(&view, job->model.part[task].mesh.xyz, &result->folds) != 0)
+        result->folds.all = UINT64_MAX;
 }
 
 /* Distances between vertices with the same index, for structures whose truth has as many vertices. */
@@ -252,13 +252,15 @@ static int measure(host_job *job, host_error *error)
     if (measure_all(job, error) != 0)
         return -1;
     error->file = "register";
-    job->folds = job->folds_absolute = 0;
+    job->folds = (host_folds){0, 0, 0.0};
     host_parallel(&job->port.port, count_folds, job, job->model.n_parts);
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        if (job->result[i].folds_absolute == UINT64_MAX)
+        const host_folds *const one = &job->result[i].folds;
+        if (one->all == UINT64_MAX)
             return host_fail(error, "result", "free memory");
-        job->folds += job->result[i].folds;
-        job->folds_absolute += job->result[i].folds_absolute;
+        job->folds.n += one->n;
+        job->folds.all += one->all;
+        job->folds.deepest_mm = fmax(job->folds.deepest_mm, one->deepest_mm);
     }
     host_job_measure_labels(job);
     if (host_job_measure_contact(job, error) != 0)

@@ -23,6 +23,7 @@ enum { HOST_VERDICT_GOOD = 0, HOST_VERDICT_LOOK, HOST_VERDICT_FAILED };
 
 typedef struct host_verdict {
     int level;                                        /* HOST_VERDICT_...: the worst of its reasons */
+    double probability;                               /* of being right, 0..1, at most what each reason leaves */
     double expected_error_mm;                         /* NaN: not known */
     uint32_t n_reasons;                               /* further ones are dropped */
     char reason[HOST_REASONS_MAX][HOST_REASON_BYTES]; /* each a sentence that says what to look at */
@@ -139,7 +140,7 @@ typedef struct host_two_way {
 typedef struct host_result {
     uint32_t target; /* index, or HOST_NO_TARGET: moved by its neighbours only */
     host_mesh mesh;  /* the registered structure; owned */
-    uint64_t folds, folds_absolute;
+    host_folds folds;
     host_two_way area, vertices; /* distances integrated over the area, and over vertices */
     host_stats overlap;          /* to the target, over the area that it shows; n = 0 where it shows nothing */
     host_stats overlap_vertices; /* the same over vertices */
@@ -212,7 +213,7 @@ typedef struct host_job {
     host_stats overlap;          /* over the area of all that the targets show */
     host_stats overlap_vertices; /* over their vertices */
     host_stats by_vertex;        /* over all structures with a truth of as many vertices */
-    uint64_t folds, folds_absolute;
+    host_folds folds;
     smr_verdict measures; /* what the library's verdict rests on */
     host_verdict verdict; /* on the whole */
 } host_job;

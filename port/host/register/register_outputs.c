@@ -322,7 +322,7 @@ static int add_row(host_job *job, host_error *error)
     put(out, moves, last->n_forces);
     put(out, moves && last->residual_mean_mm >= 0.0f, (double)last->residual_mean_mm);
     put(out, 1, last->details.plastic_updates);
-    put(out, 1, (double)job->folds);
+    put(out, 1, (double)job->folds.n);
     host_buffer_print(out, "\n");
     return out->failed ? host_fail(error, "trace", "free memory") : 0;
 }

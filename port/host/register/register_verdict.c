@@ -14,6 +14,10 @@
 #define RATIO_MOST 9.0     /* a part of a body and the whole of it: below; centimetres and inches: above */
 #define MIRRORED_MOST 0.7  /* of the start's distance: the other side's bone starts at half of it */
 #define COVERED_LEAST 0.98 /* of the model's vertices: the rest may end in air */
+#define DOUBTFUL 0.5       /* factor of a reason to look on the probability */
+#define LOST 0.1           /* largest probability of a failure */
+#define FOLDS_MOST 1.0e-3  /* folds over triangles, if they are shallow */
+#define FOLDS_DEEP_MM 2.0  /* deeper ones are seen: each counts */
 
 const char *host_verdict_name(int level)
 {
@@ -25,6 +29,10 @@ void host_verdict_add(host_verdict *verdict, int level, const char *reason, ...)
 {
     va_list list;
     verdict->level = level > verdict->level ? level : verdict->level;
+    if (level == HOST_VERDICT_LOOK)
+        verdict->probability *= DOUBTFUL;
+    else if (level == HOST_VERDICT_FAILED)
+        verdict->probability = fmin(verdict->probability, LOST);
     if (verdict->n_reasons == HOST_REASONS_MAX)
         return;
     va_start(list, reason);
@@ -121,18 +129,27 @@ static void judge_lost(host_job *job, host_verdict *verdict)
                          job->model.part[first].name, n > 1 ? ", nor of others" : "");
 }
 
+/* Folds count by their share of the triangles and by their depth. */
+static int many_folds(const host_folds *folds, double triangles)
+{
+    return folds->deepest_mm > FOLDS_DEEP_MM || (double)folds->n > FOLDS_MOST * triangles;
+}
+
 static void judge_folds(host_job *job, host_verdict *verdict)
 {
     uint32_t most = 0;
+    double triangles = 0.0;
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        const uint64_t folds = job->result[i].folds;
-        most = folds > job->result[most].folds ? i : most;
-        if (folds > 0)
-            host_verdict_add(&job->result[i].verdict, HOST_VERDICT_LOOK, "%" PRIu64 " folds are left", folds);
+        const host_folds *const folds = &job->result[i].folds;
+        most = folds->n > job->result[most].folds.n ? i : most;
+        triangles += (double)job->result[i].mesh.n_triangles;
+        if (many_folds(folds, (double)job->result[i].mesh.n_triangles))
+            host_verdict_add(&job->result[i].verdict, HOST_VERDICT_LOOK, "%" PRIu64 " folds are left", folds->n);
     }
-    if (job->folds > 0)
-        host_verdict_add(verdict, HOST_VERDICT_LOOK, "%" PRIu64 " folds are left: look at the surface of %s first",
-                         job->folds, job->model.part[most].name);
+    if (many_folds(&job->folds, triangles))
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "%" PRIu64 " folds are left, up to %.1f mm deep: look at the surface of %s first",
+                         job->folds.n, job->folds.deepest_mm, job->model.part[most].name);
 }
 
 /* Pairs that contact should have parted. */
@@ -177,6 +194,15 @@ static void judge_contradiction(host_job *job, host_verdict *verdict)
                          host_contact_name(job, c->pair[most].b));
 }
 
+/* Joins the probability by measures with what the reasons so far leave. Those alone do not fail a good result. */
+static double join(const smr_verdict *measures, const host_verdict *verdict)
+{
+    const double both = (double)measures->probability * verdict->probability;
+    return measures->level != SMR_VERDICT_GOOD || verdict->level == HOST_VERDICT_FAILED
+               ? both
+               : fmax(both, (double)SMR_PROBABILITY_FAILED);
+}
+
 /* What the library measured: its level and a sentence for each reason, but for that nothing was seen: judge_run and
  * judge_lost say more of that. */
 static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
@@ -186,9 +212,13 @@ static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, ho
         return;
     if (measures->expected_error_mm >= 0.0f)
         verdict->expected_error_mm = (double)measures->expected_error_mm;
+    const double probability = join(measures, verdict);
     for (uint32_t bit = SMR_REASON_NOTHING_VISIBLE << 1; bit <= measures->reasons; bit <<= 1)
         if ((measures->reasons & bit) != 0)
             host_verdict_add(verdict, (int)measures->level, "%s", smr_reason_text(bit));
+    verdict->probability = probability;
+    if (probability < (double)SMR_PROBABILITY_FAILED)
+        verdict->level = HOST_VERDICT_FAILED;
 }
 
 /* Least and most of each structure. Where the start was kept they are of what was rejected: not known. */
@@ -214,6 +244,9 @@ static void find_local_volumes(host_job *job)
 void host_job_verdict(host_job *job)
 {
     find_local_volumes(job);
+    job->verdict.probability = 1.0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
+        job->result[i].verdict.probability = 1.0;
     judge_run(job, &job->verdict);
     judge_start(job, &job->verdict);
     judge_orientation(job, &job->verdict);

@@ -142,6 +142,13 @@ static void put_moved(host_json *json, float residual_mean, float residual_max, 
     host_json_number(json, "moved_max_mm", moved_max);
 }
 
+static void put_folds(const host_folds *folds, host_json *json)
+{
+    host_json_count(json, "folds", folds->n);
+    host_json_count(json, "folds_absolute", folds->all);
+    host_json_number(json, "folds_deepest_mm", folds->deepest_mm);
+}
+
 /* Writes the result against the targets, or against the truth when the target is an image. */
 static void put_result(const host_job *job, host_json *json)
 {
@@ -172,8 +179,7 @@ static void put_result(const host_job *job, host_json *json)
     }
     host_json_number(json, "matched_share", measured(job->last.details.matched_share));
     put_moved(json, job->last.residual_mean_mm, job->last.details.residual_max_mm, mean / n, max);
-    host_json_count(json, "folds", job->folds);
-    host_json_count(json, "folds_absolute", job->folds_absolute);
+    put_folds(&job->folds, json);
 }
 
 static void put_verdict(const host_verdict *verdict, host_json *json)
@@ -183,6 +189,7 @@ static void put_verdict(const host_verdict *verdict, host_json *json)
     for (uint32_t i = 0; i < verdict->n_reasons; i++)
         host_json_text(json, NULL, verdict->reason[i]);
     host_json_close(json, ']');
+    host_json_number(json, "probability", verdict->probability);
     host_json_number(json, "expected_error_mm", verdict->expected_error_mm);
 }
 
@@ -247,8 +254,7 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
     host_json_number(json, "matched_share", measured(result->report.matched_share));
     put_moved(json, result->report.residual_mean_mm, result->report.residual_max_mm,
               (double)result->report.moved_mean_mm, (double)result->report.moved_max_mm);
-    host_json_count(json, "folds", result->folds);
-    host_json_count(json, "folds_absolute", result->folds_absolute);
+    put_folds(&result->folds, json);
     host_report_volume(job, i, json);
     host_json_number(json, "local_volume_least", (double)result->local_volume[0]);
     host_json_number(json, "local_volume_most", (double)result->local_volume[1]);

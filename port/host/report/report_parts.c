@@ -152,9 +152,10 @@ static void print_verdict(const host_verdict *verdict)
                  verdict->level == HOST_VERDICT_LOOK ? "look at the result" : host_verdict_name(verdict->level));
     for (uint32_t i = 0; i < verdict->n_reasons; i++)
         (void)printf("%s%s", i == 0 ? ": " : "; ", verdict->reason[i]);
+    (void)printf(" (probability %.2f", verdict->probability);
     if (verdict->expected_error_mm >= 0.0 && verdict->level != HOST_VERDICT_FAILED)
-        (void)printf(" (expected error %.2f mm)", verdict->expected_error_mm);
-    (void)putchar('\n');
+        (void)printf(", expected error %.2f mm", verdict->expected_error_mm);
+    (void)printf(")\n");
 }
 
 void host_job_summary(const host_job *job)
@@ -191,7 +192,7 @@ void host_job_summary(const host_job *job)
     if (job->options->image_target)
         (void)printf("vertices with a goal in the image: %.1f %%\n",
                      job->last.details.matched_share > 0.0f ? 100.0 * (double)job->last.details.matched_share : 0.0);
-    (void)printf("folds: %" PRIu64 "  state hash: %016" PRIx64 "\n", job->folds, smr_state_hash(job->state));
+    (void)printf("folds: %" PRIu64 "  state hash: %016" PRIx64 "\n", job->folds.n, smr_state_hash(job->state));
     for (uint32_t i = 0; i < job->model.n_parts; i++)
         if (host_job_carries(job, i))
             (void)printf("%s%s", carried++ == 0 ? "carried along without a target: " : ", ", job->model.part[i].name);

@@ -336,9 +336,10 @@ static void print_frame(const host_frame_report *frame)
     (void)printf("%s: %s", frame->name, words[level]);
     if (level != SMR_VERDICT_GOOD)
         print_reasons(frame);
+    (void)printf(" (probability %.2f", (double)frame->verdict.probability);
     if (frame->verdict.expected_error_mm >= 0.0f && level != SMR_VERDICT_FAILED)
-        (void)printf(" (expected error %.2f mm)", (double)frame->verdict.expected_error_mm);
-    (void)putchar('\n');
+        (void)printf(", expected error %.2f mm", (double)frame->verdict.expected_error_mm);
+    (void)printf(")\n");
 }
 
 void host_track_print_verdict(const host_track_verdict *verdict)

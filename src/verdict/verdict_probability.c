@@ -1,0 +1,196 @@
+/* verdict_probability.c: the probability that a result is right, from its measures, and level and reasons by it.
+ * Each measure adds doubt: none up to `none`, 1 at `limit`, SMR_DOUBT_FAILED at `failed`, straight lines between and
+ * beyond. The sum of doubts gives the probability by a table. Limits and table are fitted to generated runs with a
+ * known truth, of which half of the bones was left out (docs/RESULTS.md); right: surface below 1 mm, vertices below 3.
+ * SPDX-License-Identifier: MIT */
+#include "verdict/verdict_measures.h"
+
+#define SMR_DOUBT_GOOD 1.0f   /* a good result has less doubt */
+#define SMR_DOUBT_FAILED 5.0f /* a failed result has more */
+#define SMR_DOUBT_MOST 10.0f  /* most doubt by one measure */
+#define SMR_DOUBT_REASON 0.5f /* without a measure beyond its limit: share of the largest doubt that is a reason */
+#define SMR_MET_SHARE 0.98f   /* visible, covered and agreeing shares above which model and target meet both ways */
+#define SMR_PART_SHARE 0.8f   /* visible share of the model below which the target is partial */
+#define SMR_WHOLE_SHARE 0.95f /* visible share above which the model is whole: the target may have more parts */
+#define SMR_STRAIN_MOST 0.25f
+#define SMR_STRAIN_SMOOTH 0.15f /* largest strain without noise of the target */
+#define SMR_STRAIN_NOISE 2.0f   /* strain by noise over the residual in mean edge lengths; squares add up */
+#define SMR_OPEN_LEAST 1.8f     /* mm: smaller expected errors are not compared with the bend */
+
+/* What gives doubt, in the order of the table. */
+enum {
+    NOTHING,
+    LITTLE,
+    PART,
+    OPEN,
+    EXPECTED,
+    UNCOVERED,
+    UNCOVERED_PART,
+    STRAYS,
+    NORMALS,
+    RESIDUAL,
+    MARKS,
+    SIZE,
+    SIZE_PART,
+    STRAIN,
+    STRETCH,
+    VOLUME,
+    ROTATION,
+    BEND,
+    SIMILARITY,
+    GOALS,
+    MEASURES
+};
+
+/* wider: factor on the limits where model and target meet both ways: people differ by more than a doubtful run. */
+static const struct {
+    uint32_t reason;
+    float none, limit, failed, wider;
+} table[MEASURES] = {
+    [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing visible */
+    [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.85f, 0.9f, 1.3f, 1.0f},     /* hidden share of the model */
+    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.0f, 3.4f, 15.0f, 1.0f},       /* expected error with a partial target, mm */
+    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.6f, 0.75f, 5.0f, 1.0f},       /* expected error over the bend */
+    [EXPECTED] = {SMR_REASON_EXPECTED, 3.0f, 4.5f, 8.0f, 1.0f},          /* expected error, mm */
+    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* share of the target, for a whole model */
+    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.5f, 1.0f}, /* the same for a partly visible model */
+    [STRAYS] = {SMR_REASON_UNCOVERED, 0.2f, 0.25f, 0.5f, 1.0f},          /* outliers, share of a cloud's points */
+    [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* share of the area that disagrees */
+    [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.2f, 0.25f, 2.0f, 1.0f},         /* residual in mean edge lengths */
+    [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* residual of landmarks, mm */
+    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.0f},                /* change of size since the start */
+    [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* the same with a partial target */
+    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 4.0f, 1.0f},              /* strain over its largest plausible value */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.035f, 0.045f, 0.2f, 2.2f},         /* change of the size of parts */
+    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 2.0f, 1.08f},            /* change of volume */
+    [ROTATION] = {SMR_REASON_ROTATION, 10.0f, 14.0f, 40.0f, 1.3f},       /* largest rotation of a part, degrees */
+    [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
+    [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
+    [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */
+};
+
+/* Share of runs with this sum of doubts that were right. */
+static const struct {
+    float doubt, probability;
+} curve[] = {{0.0f, 0.99f},
+             {SMR_DOUBT_GOOD, SMR_PROBABILITY_GOOD},
+             {SMR_DOUBT_FAILED, SMR_PROBABILITY_FAILED},
+             {10.0f, 0.02f},
+             {20.0f, 0.0f}};
+
+static float between(float x, float from, float to, float low, float high)
+{
+    return low + (high - low) * ((x - from) / (to - from));
+}
+
+static float probability_of(float doubt)
+{
+    uint32_t k = 1;
+    while (k + 1u < sizeof curve / sizeof curve[0] && doubt > curve[k].doubt)
+        k++;
+    const float p =
+        between(doubt, curve[k - 1u].doubt, curve[k].doubt, curve[k - 1u].probability, curve[k].probability);
+    return smr_clamp(p, 0.0f, 1.0f);
+}
+
+/* The ratio or its inverse, whichever is at least 1. */
+static float beyond(float ratio) { return ratio > 1.0f ? ratio : ratio > 0.0f ? 1.0f / ratio : SMR_FAR; }
+
+/* 1 less a share; 0 when it was not taken. */
+static float lacking(float share) { return share >= 0.0f ? 1.0f - share : 0.0f; }
+
+/* The largest plausible strain of a surface's edges. */
+static float strain_most(const smr_verdict *v, float edge_mm)
+{
+    const float noise = SMR_STRAIN_NOISE * smr_max(v->residual_mm, 0.0f) / smr_max(edge_mm, 1.0e-6f);
+    return smr_min(SMR_STRAIN_MOST, SMR_SQRT(SMR_STRAIN_SMOOTH * SMR_STRAIN_SMOOTH + noise * noise));
+}
+
+/* Deformation and expected error, on surfaces and landmarks. */
+static void take_bend(const smr_verdict *v, float *m)
+{
+    if (v->expected_error_mm > SMR_OPEN_LEAST)
+        m[OPEN] = v->bend_mm > 0.0f ? v->expected_error_mm / v->bend_mm : SMR_FAR;
+    m[EXPECTED] = v->expected_error_mm;
+    m[STRETCH] = v->stretch;
+    m[STRAIN] = v->strain / SMR_STRAIN_MOST;
+    m[VOLUME] = beyond(v->volume_ratio);
+    m[ROTATION] = v->rotation_deg;
+    m[BEND] = v->bend_mm;
+}
+
+static void take_surface(const smr_verdict *v, float edge_mm, float *m)
+{
+    take_bend(v, m);
+    m[LITTLE] = lacking(v->visible_share);
+    m[PART] = v->visible_share < SMR_PART_SHARE ? v->expected_error_mm : 0.0f;
+    m[v->visible_share > SMR_WHOLE_SHARE ? UNCOVERED : UNCOVERED_PART] = lacking(v->target_covered);
+    m[NORMALS] = lacking(v->normals_agree);
+    m[RESIDUAL] = v->residual_mm / smr_max(edge_mm, 1.0e-6f);
+    m[STRAIN] = v->strain / strain_most(v, edge_mm);
+}
+
+/* Sets what was measured; what was not stays 0. */
+static void take(const smr_verdict *v, float edge_mm, int whole, float strays, float *m)
+{
+    const int image = v->goals_share >= 0.0f;
+    m[NOTHING] = v->visible_share > 0.0f ? 0.0f : 1.0f;
+    m[whole && !image && v->visible_share < SMR_PART_SHARE ? SIZE_PART : SIZE] = beyond(v->scale);
+    m[STRAYS] = strays;
+    if (image) {
+        m[SIMILARITY] = 1.0f - v->image_similarity;
+        m[GOALS] = lacking(v->goals_share);
+    }
+    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals */
+        take_surface(v, edge_mm, m);
+    else if (!image && v->residual_mm >= 0.0f) {
+        take_bend(v, m);
+        m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : 0.0f; /* too few landmarks */
+        m[MARKS] = v->residual_mm;
+    }
+}
+
+/* The doubt that a measure gives. */
+static float doubt_of(uint32_t k, float measure, int met)
+{
+    const float wider = met ? table[k].wider : 1.0f, limit = wider * table[k].limit, none = wider * table[k].none;
+    if (!(measure > none))
+        return 0.0f;
+    if (measure < limit)
+        return between(measure, none, limit, 0.0f, 1.0f);
+    return smr_min(between(measure, limit, wider * table[k].failed, 1.0f, SMR_DOUBT_FAILED), SMR_DOUBT_MOST);
+}
+
+/* Names the measures beyond their limits, or else those that give most doubt. */
+static uint32_t reasons_of(const float *doubt)
+{
+    uint32_t reasons = 0;
+    float most = 0.0f;
+    for (uint32_t k = 0; k < MEASURES; k++)
+        most = smr_max(most, doubt[k]);
+    const float least = most >= 1.0f ? 1.0f : SMR_DOUBT_REASON * most;
+    for (uint32_t k = 0; k < MEASURES; k++)
+        reasons |= doubt[k] >= least ? table[k].reason : 0u;
+    return reasons;
+}
+
+void smr_judge(smr_verdict *v, float edge_mm, int whole, float strays)
+{
+    const int met = smr_min(smr_min(v->visible_share, v->target_covered), v->normals_agree) > SMR_MET_SHARE;
+    float doubt[MEASURES] = {0.0f}, sum = 0.0f;
+    take(v, edge_mm, whole, strays, doubt);
+    for (uint32_t k = 0; k < MEASURES; k++) {
+        doubt[k] = doubt_of(k, doubt[k], met);
+        sum += doubt[k];
+    }
+    /* a whole model may be a part of a larger target: then low coverage alone gives no doubt */
+    if (sum - doubt[UNCOVERED] < SMR_DOUBT_GOOD && doubt[UNCOVERED] < SMR_DOUBT_FAILED) {
+        sum -= doubt[UNCOVERED];
+        doubt[UNCOVERED] = 0.0f;
+    }
+    v->probability = probability_of(sum);
+    v->level = v->probability > SMR_PROBABILITY_GOOD      ? SMR_VERDICT_GOOD
+               : v->probability >= SMR_PROBABILITY_FAILED ? SMR_VERDICT_LOOK
+                                                          : SMR_VERDICT_FAILED;
+    v->reasons = v->level == SMR_VERDICT_GOOD ? 0u : reasons_of(doubt);
+}
