@@ -136,12 +136,27 @@ static void weighs_percentiles(void **state)
     assert_int_equal(none.n, 0);
 }
 
+/* The square folded along its diagonal, one half with a smaller height: 3 mm over the diagonal. */
+static void tells_how_deep_folds_are(void **state)
+{
+    const float h = 3.0f * (float)sqrt(0.5), x = 5.0f + h, y = 5.0f - h;
+    const float folded[] = {0, 0, 0, 10, 0, 0, 10, 10, 0, x, y, 0.1f, 500, 500, 500};
+    const smr_mesh mesh = {folded, square_triangles, 5, 2};
+    host_folds folds;
+    (void)state;
+    assert_int_equal(host_count_folds(&mesh, square_xyz, &folds), 0);
+    assert_true(folds.n == 1 && folds.all == 1 && fabs(folds.deepest_mm - 3.0) < 0.01);
+    assert_int_equal(host_count_folds(&mesh, folded, &folds), 0);
+    assert_true(folds.n == 0 && folds.all == 1 && folds.deepest_mm == 0.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(integrates_cubics_exactly), cmocka_unit_test(shares_edges_and_corners),
         cmocka_unit_test(leaves_out_what_is_masked), cmocka_unit_test(tells_area_from_vertices),
         cmocka_unit_test(counts_points_alike),       cmocka_unit_test(weighs_percentiles),
+        cmocka_unit_test(tells_how_deep_folds_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 #define COVERED_LEAST 0.98 /* of the model's vertices: the rest may end in air */
 #define DOUBTFUL 0.5       /* factor of a reason to look on the probability */
 #define LOST 0.1           /* largest probability of a failure */
+#define MOVED_MOST_MM 40.0 /* from a start by landmarks: clicks are nearer */
 #define FOLDS_MOST 1.0e-3  /* folds over triangles, if they are shallow */
 #define FOLDS_DEEP_MM 2.0  /* deeper ones are seen: each counts */
 
@@ -80,8 +81,23 @@ static void judge_align(const smr_align_report *said, host_verdict *verdict)
                          (double)said->mirrored_rms_mm, (double)said->rms_mm);
 }
 
+/* How far the result lies from where the landmarks put the model, mean over vertices. */
+static double moved_mm(const host_job *job)
+{
+    double sum = 0.0, n = 0.0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
+        sum += (double)job->result[i].report.moved_mean_mm * (double)job->result[i].mesh.n_vertices;
+        n += (double)job->result[i].mesh.n_vertices;
+    }
+    return n > 0.0 ? sum / n : 0.0;
+}
+
 static void judge_start(const host_job *job, host_verdict *verdict)
 {
+    if (job->n_landmarks > 0 && moved_mm(job) > MOVED_MOST_MM)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "the result lies %.0f mm from where the landmarks put the model: look at their places",
+                         moved_mm(job));
     judge_align(&job->align_report, verdict);
     if (job->landmark_doubt[0] != '\0')
         host_verdict_add(verdict, HOST_VERDICT_LOOK, "%s", job->landmark_doubt);
