@@ -115,23 +115,18 @@ int case_metres(case_job *job, oracle_random *r)
 int case_inside_out(case_job *job, oracle_random *r) { return (void)r, turn_over(target_of(job)), 1; }
 
 /* A bone of another sort, at the same place. */
-int case_other_bone(case_job *job, oracle_random *r)
+static void put_other_bone(case_job *job, oracle_random *r)
 {
-    const char sort = job->of->sort;
-    host_mesh other = read_bone(job,
-                                case_choose_bone(job->half,
-                                                 sort == 'h'   ? "f"
-                                                 : sort == 'p' ? "fh"
-                                                               : "hp",
-                                                 "", r),
-                                0);
+    const char *const others = job->of->sort == 'h' ? "f" : job->of->sort == 'p' ? "fh" : "hp";
+    host_mesh other = read_bone(job, case_choose_bone(job->half, others, "", r), 0);
     double from[3], to[3];
     case_middle(&other, from);
     case_middle(target_of(job), to);
     case_apply(&other, identity, from, to);
     replace(target_of(job), other);
-    return other_body(job);
 }
+
+int case_other_bone(case_job *job, oracle_random *r) { return put_other_bone(job, r), other_body(job); }
 
 int case_wrong_side(case_job *job, oracle_random *r)
 {
@@ -187,18 +182,19 @@ int case_tibia(case_job *job, oracle_random *r)
     return other_body(job);
 }
 
+/* The lower half is hidden, and half of another bone lies in its place. */
 int case_half_replaced(case_job *job, oracle_random *r)
 {
     host_mesh own = case_copy(target_of(job));
     double middle[3];
     case_middle(&own, middle);
-    (void)case_other_bone(job, r);
+    put_other_bone(job, r);
     host_mesh other = case_copy(target_of(job));
     case_keep_height(&own, middle[2], HUGE_VAL);
     case_keep_height(&other, -HUGE_VAL, middle[2]);
     join(&own, other);
     replace(target_of(job), own);
-    return other_body(job);
+    return 1;
 }
 
 int case_twin(case_job *job, oracle_random *r)
