@@ -115,7 +115,7 @@ static void judge_all(const smr *s, smr_verdict *verdict)
     if (s->shared.n_structures > 1u && doubtful > SMR_NOT_GOOD_SHARE * n) {
         verdict->reasons |= SMR_REASON_STRUCTURES;
         verdict->level = smr_max_u32(verdict->level, SMR_VERDICT_LOOK);
-        verdict->probability = smr_min(verdict->probability, 0.5f * (SMR_PROBABILITY_GOOD + SMR_PROBABILITY_FAILED));
+        verdict->probability = smr_min(verdict->probability, 0.5f * SMR_PROBABILITY_GOOD);
     }
 }
 

@@ -48,22 +48,22 @@ static const struct {
     float none, limit, failed, wider;
 } table[MEASURES] = {
     [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing visible */
-    [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.85f, 0.9f, 1.3f, 1.0f},     /* hidden share of the model */
-    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.0f, 3.4f, 15.0f, 1.0f},       /* expected error with a partial target, mm */
-    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.6f, 0.75f, 5.0f, 1.0f},       /* expected error over the bend */
-    [EXPECTED] = {SMR_REASON_EXPECTED, 3.0f, 4.5f, 8.0f, 1.0f},          /* expected error, mm */
+    [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.8f, 0.9f, 1.3f, 1.0f},      /* hidden share of the model */
+    [PART] = {SMR_REASON_LITTLE_VISIBLE, 3.0f, 3.4f, 20.0f, 1.0f},       /* expected error with a partial target, mm */
+    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error over the bend */
+    [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
     [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* share of the target, for a whole model */
-    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.5f, 1.0f}, /* the same for a partly visible model */
+    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* the same for a partly visible model */
     [STRAYS] = {SMR_REASON_UNCOVERED, 0.2f, 0.25f, 0.5f, 1.0f},          /* outliers, share of a cloud's points */
     [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* share of the area that disagrees */
-    [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.2f, 0.25f, 2.0f, 1.0f},         /* residual in mean edge lengths */
+    [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.23f, 0.25f, 2.0f, 1.0f},        /* residual in mean edge lengths */
     [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* residual of landmarks, mm */
-    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.0f},                /* change of size since the start */
+    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* change of size since the start */
     [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* the same with a partial target */
     [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 4.0f, 1.0f},              /* strain over its largest plausible value */
-    [STRETCH] = {SMR_REASON_STRAIN, 0.035f, 0.045f, 0.2f, 2.2f},         /* change of the size of parts */
-    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 2.0f, 1.08f},            /* change of volume */
-    [ROTATION] = {SMR_REASON_ROTATION, 10.0f, 14.0f, 40.0f, 1.3f},       /* largest rotation of a part, degrees */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.035f, 0.055f, 0.21f, 2.2f},        /* change of the size of parts */
+    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 2.0f, 1.09f},            /* change of volume */
+    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 23.0f, 1.15f},      /* largest rotation of a part, degrees */
     [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */
@@ -72,11 +72,9 @@ static const struct {
 /* Share of runs with this sum of doubts that were right. */
 static const struct {
     float doubt, probability;
-} curve[] = {{0.0f, 0.99f},
-             {SMR_DOUBT_GOOD, SMR_PROBABILITY_GOOD},
-             {SMR_DOUBT_FAILED, SMR_PROBABILITY_FAILED},
-             {10.0f, 0.02f},
-             {20.0f, 0.0f}};
+} curve[] = {{0.0f, 0.98f},  {SMR_DOUBT_GOOD, SMR_PROBABILITY_GOOD},
+             {2.0f, 0.35f},  {SMR_DOUBT_FAILED, SMR_PROBABILITY_FAILED},
+             {10.0f, 0.01f}, {20.0f, 0.0f}};
 
 static float between(float x, float from, float to, float low, float high)
 {
@@ -140,6 +138,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
     if (image) {
         m[SIMILARITY] = 1.0f - v->image_similarity;
         m[GOALS] = lacking(v->goals_share);
+        m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }
     if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals */
         take_surface(v, edge_mm, m);

@@ -345,6 +345,18 @@ group_verdict() {
             v["family"], ("level" in v) ? v["level"] : 2, v["probability"] + 0 }' >>runs
         tail -n 1 runs
     }
+    pair() { # row, model, target
+        tool pair case $2 $3 0 0 -1 2 >/dev/null && register $1 --model case/model/*.ply --target case/target/*.ply --align similarity
+        measure $1 case
+        rm -r case $1
+    }
+    people() { # name, model, target: onto another person's bone and its mirror image
+        pair people:$1 $2 $3
+        pair mirrored:$1 $2 $(case $3 in x:*) echo ${3#x:} ;; *) echo x:$3 ;; esac)
+        record people:$1.met "people:$1.surface<=0.3"
+        record people:$1.met_good "people:$1.met*people:$1.good"
+    }
+    both() { people $1:$2 $3 $4; people $2:$1 $4 $3; } # names, files
     : >runs
     if ! all; then
         for kind in 'whole near' 'whole exact' 'other bone there' 'upside down' metres sphere 'image noise only'; do
@@ -358,11 +370,22 @@ group_verdict() {
     for half in 0 1; do
         mkdir $half && (cd $half && ln -s ../data data && for seed in $(seq $half 2 2399); do one $seed data job; done) &
     done
+    for bone in hip_bone patella; do both $bone person data/hip_thigh_vhm/$bone.ply data/thigh_person/truth/$bone.ply; done
+    both right left data/ct_hips_surfaces/hip_bone_right.ply x:data/ct_hips_surfaces/hip_bone_left.ply
+    set -- $femurs
+    while [ $# -gt 1 ]; do
+        one=$1; shift
+        for other; do both $one $other $(as_left $one) $(as_left $other); done
+    done
+    over people
+    over mirrored
     wait
     cat 0/runs 1/runs >"$out/verdict.runs"
     awk -f "$here/judge.awk" "$out/verdict.runs" >judged
     grep -v '^odd\|^even' judged
     grep '^odd\|^even' judged >>"$figures"
+    bound 'people met below 0.3 mm that are not good, %' 100-100*people.met_good_sum/people.met_sum 20
+    bound 'mirrored people that are good' mirrored.good_sum 0
     bound 'right ones that are not good, %' 100-odd.right_good_mean 8
     bound 'right ones that failed, %' odd.right_failed_mean 0.5
     bound 'wrong ones that are good, %' odd.wrong_good_mean 0.5

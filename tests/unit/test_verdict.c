@@ -272,7 +272,7 @@ TEST(test_together)
         assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : SMR_VERDICT_FAILED, v.level);
     }
     for (uint32_t k = 0; k < 4u; k++) { /* on a surface or in an image that is like the reference, or in another */
-        v = fair(0.9f, k == 0u ? 7.9f : 8.1f);
+        v = fair(0.9f, k == 0u ? 11.0f : 12.1f);
         v.bend_mm = 15.0f;
         if (k >= 2u) {
             v.target_covered = v.normals_agree = -1.0f;

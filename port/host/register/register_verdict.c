@@ -14,8 +14,8 @@
 #define RATIO_MOST 9.0     /* a part of a body and the whole of it: below; centimetres and inches: above */
 #define MIRRORED_MOST 0.7  /* of the start's distance: the other side's bone starts at half of it */
 #define COVERED_LEAST 0.98 /* of the model's vertices: the rest may end in air */
-#define DOUBTFUL 0.5       /* factor of a reason to look on the probability */
-#define LOST 0.1           /* largest probability of a failure */
+#define DOUBTFUL 0.3       /* factor of a reason to look on the probability */
+#define LOST 0.01          /* largest probability of a failure */
 #define MOVED_MOST_MM 40.0 /* from a start by landmarks: clicks are nearer */
 #define FOLDS_MOST 1.0e-3  /* folds over triangles, if they are shallow */
 #define FOLDS_DEEP_MM 2.0  /* deeper ones are seen: each counts */
