@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
+#define SMR_DOUBTFUL 0.35f      /* probability of a whole whose structures disagree with its measures */
 #define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures whose verdict is not good */
 
 const char *smr_reason_text(uint32_t bit)
@@ -94,7 +95,8 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
               smr_mean_of(e->strays, 0.0f));
 }
 
-/* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not. */
+/* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not,
+ * and has not failed when most are in good ones. */
 static void judge_all(const smr *s, smr_verdict *verdict)
 {
     smr_evidence all = {.rotation_deg = 0.0f};
@@ -112,10 +114,15 @@ static void judge_all(const smr *s, smr_verdict *verdict)
         doubtful += one.level != SMR_VERDICT_GOOD ? count : 0.0f;
     }
     conclude(s, SMR_ALL, &all, verdict);
-    if (s->shared.n_structures > 1u && doubtful > SMR_NOT_GOOD_SHARE * n) {
+    if (s->shared.n_structures == 1u)
+        return;
+    if (doubtful > SMR_NOT_GOOD_SHARE * n) {
         verdict->reasons |= SMR_REASON_STRUCTURES;
         verdict->level = smr_max_u32(verdict->level, SMR_VERDICT_LOOK);
-        verdict->probability = smr_min(verdict->probability, 0.5f * SMR_PROBABILITY_GOOD);
+        verdict->probability = smr_min(verdict->probability, SMR_DOUBTFUL);
+    } else if (verdict->level == SMR_VERDICT_FAILED && n > 0.0f) {
+        verdict->level = SMR_VERDICT_LOOK;
+        verdict->probability = SMR_DOUBTFUL;
     }
 }
 

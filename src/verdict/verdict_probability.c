@@ -136,7 +136,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
     m[whole && !image && v->visible_share < SMR_PART_SHARE ? SIZE_PART : SIZE] = beyond(v->scale);
     m[STRAYS] = strays;
     if (image) {
-        m[SIMILARITY] = 1.0f - v->image_similarity;
+        m[SIMILARITY] = v->image_similarity > -1.0f ? 1.0f - v->image_similarity : 0.0f;
         m[GOALS] = lacking(v->goals_share);
         m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }
