@@ -60,10 +60,10 @@ static const struct {
     [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* residual of landmarks, mm */
     [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* change of size since the start */
     [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* the same with a partial target */
-    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 4.0f, 1.0f},              /* strain over its largest plausible value */
-    [STRETCH] = {SMR_REASON_STRAIN, 0.035f, 0.055f, 0.21f, 2.2f},        /* change of the size of parts */
+    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* strain over its largest plausible value */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.21f, 1.0f},        /* change of the size of parts */
     [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 2.0f, 1.09f},            /* change of volume */
-    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 23.0f, 1.15f},      /* largest rotation of a part, degrees */
+    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 25.0f, 1.15f},      /* largest rotation of a part, degrees */
     [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */

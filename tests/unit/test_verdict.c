@@ -285,7 +285,7 @@ TEST(test_together)
     for (uint32_t k = 0; k < 2u; k++) { /* the whole target, or the most of it */
         v = fair(k == 0u ? 0.99f : 0.97f, 1.0f);
         v.rotation_deg = 16.0f;
-        v.stretch = 0.08f;
+        v.stretch = 0.048f;
         v.volume_ratio = 0.76f;
         smr_judge(&v, 4.0f, 1, 0.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);

@@ -210,11 +210,11 @@ static void judge_contradiction(host_job *job, host_verdict *verdict)
                          host_contact_name(job, c->pair[most].b));
 }
 
-/* Joins the probability by measures with what the reasons so far leave. Those alone do not fail a good result. */
+/* Joins the probability by measures with what the reasons so far leave. Those to look do not fail a result. */
 static double join(const smr_verdict *measures, const host_verdict *verdict)
 {
     const double both = (double)measures->probability * verdict->probability;
-    return measures->level != SMR_VERDICT_GOOD || verdict->level == HOST_VERDICT_FAILED
+    return measures->level == SMR_VERDICT_FAILED || verdict->level == HOST_VERDICT_FAILED
                ? both
                : fmax(both, (double)SMR_PROBABILITY_FAILED);
 }
