@@ -95,6 +95,14 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
               smr_mean_of(e->strays, 0.0f));
 }
 
+/* Adds a reason for which a result is not good, whatever its measures say. */
+static void add_doubt(smr_verdict *verdict, uint32_t reason)
+{
+    verdict->reasons |= reason;
+    verdict->level = smr_max_u32(verdict->level, SMR_VERDICT_LOOK);
+    verdict->probability = smr_min(verdict->probability, SMR_DOUBTFUL);
+}
+
 /* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not,
  * and has not failed when most are in good ones. */
 static void judge_all(const smr *s, smr_verdict *verdict)
@@ -116,11 +124,9 @@ static void judge_all(const smr *s, smr_verdict *verdict)
     conclude(s, SMR_ALL, &all, verdict);
     if (s->shared.n_structures == 1u)
         return;
-    if (doubtful > SMR_NOT_GOOD_SHARE * n) {
-        verdict->reasons |= SMR_REASON_STRUCTURES;
-        verdict->level = smr_max_u32(verdict->level, SMR_VERDICT_LOOK);
-        verdict->probability = smr_min(verdict->probability, SMR_DOUBTFUL);
-    } else if (verdict->level == SMR_VERDICT_FAILED && n > 0.0f) {
+    if (doubtful > SMR_NOT_GOOD_SHARE * n)
+        add_doubt(verdict, SMR_REASON_STRUCTURES);
+    else if (verdict->level == SMR_VERDICT_FAILED && n > 0.0f) {
         verdict->level = SMR_VERDICT_LOOK;
         verdict->probability = SMR_DOUBTFUL;
     }
@@ -131,7 +137,7 @@ static void note_recovering(const smr *s, smr_verdict *verdict)
 {
     const smr_schedule *p = &s->schedule;
     if (p->recovering == 1u || (!p->done && p->serial != p->n_set))
-        check_most(verdict, SMR_REASON_RECOVERING, 1.0f, 0.0f, SMR_FAR);
+        add_doubt(verdict, SMR_REASON_RECOVERING);
 }
 
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)

@@ -259,7 +259,7 @@ TEST(test_together)
     }
     v = fair(0.99f, 1.0f);
     v.target_covered = 0.3f; /* not the whole of a larger target, but elsewhere */
-    smr_judge(&v, 4.0f, 1);
+    smr_judge(&v, 4.0f, 1, 0.0f);
     assert_true(v.level == SMR_VERDICT_LOOK && v.reasons == SMR_REASON_UNCOVERED);
     for (uint32_t k = 0; k < 2u; k++) { /* four reasons, or five */
         v = fair(0.9f, 1.0f);
@@ -354,10 +354,51 @@ TEST(test_each_measure)
             if (all[i].kind == IMAGE)
                 v.goals_share = v.image_similarity = 0.95f;
             memcpy((unsigned char *)&v + all[i].at, &value, sizeof value);
-            smr_judge(&v, 4.0f, 1);
+            smr_judge(&v, 4.0f, 1, 0.0f);
             if (v.level != level || v.reasons != (level == SMR_VERDICT_GOOD ? 0u : all[i].reason))
                 fail_msg("row %zu: %g is level %u for %x", i, (double)value, v.level, v.reasons);
         }
+}
+
+/* The level follows from the probability, and a worse measure never makes the result more probable. Doubts add up: some
+ * measures short of their limits are a reason together, and then the largest are named. */
+TEST(test_probability)
+{
+    static const struct {
+        size_t at;
+        float best, worst;
+    } all[] = {{offsetof(smr_verdict, expected_error_mm), 0.5f, 40.0f},
+               {offsetof(smr_verdict, residual_mm), 0.1f, 20.0f},
+               {offsetof(smr_verdict, visible_share), 1.0f, 0.01f},
+               {offsetof(smr_verdict, target_covered), 1.0f, 0.0f},
+               {offsetof(smr_verdict, normals_agree), 1.0f, 0.0f},
+               {offsetof(smr_verdict, scale), 1.0f, 9.0f},
+               {offsetof(smr_verdict, strain), 0.01f, 2.0f},
+               {offsetof(smr_verdict, stretch), 0.01f, 1.0f},
+               {offsetof(smr_verdict, volume_ratio), 1.0f, 0.01f},
+               {offsetof(smr_verdict, rotation_deg), 0.0f, 180.0f},
+               {offsetof(smr_verdict, bend_mm), 8.0f, 200.0f}};
+    smr_verdict v;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        float before = 1.0f;
+        for (uint32_t k = 0; k <= 50u; k++) {
+            v = fair(1.0f, 0.5f);
+            const float measure = all[i].best + (all[i].worst - all[i].best) * (float)k / 50.0f;
+            memcpy((char *)&v + all[i].at, &measure, sizeof measure);
+            smr_judge(&v, 4.0f, 1, 0.0f);
+            assert_true(v.probability >= 0.0f && v.probability <= before && (k > 0u || v.probability > 0.9f));
+            assert_int_equal(v.probability > SMR_PROBABILITY_GOOD, v.level == SMR_VERDICT_GOOD);
+            assert_int_equal(v.probability < SMR_PROBABILITY_FAILED, v.level == SMR_VERDICT_FAILED);
+            assert_int_equal(v.level == SMR_VERDICT_GOOD, v.reasons == 0u);
+            before = v.probability;
+        }
+        assert_true(before < SMR_PROBABILITY_GOOD);
+    }
+    v = fair(0.9f, 5.0f);
+    v.rotation_deg = 14.5f;
+    smr_judge(&v, 4.0f, 1, 0.0f);
+    assert_int_equal(SMR_VERDICT_LOOK, v.level);
+    assert_true((v.reasons & SMR_REASON_ROTATION) != 0u && v.probability < SMR_PROBABILITY_GOOD);
 }
 
 TEST(test_reasons)
