@@ -254,7 +254,7 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 /* ------------------------------------------------------------------ 6. verdict */
 /* Levels of a verdict by its probability. FAILED: the result says nothing about the target. */
 enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
-#define SMR_PROBABILITY_GOOD 0.7f    /* least probability of a good verdict */
+#define SMR_PROBABILITY_GOOD 0.8f    /* least probability of a good verdict */
 #define SMR_PROBABILITY_FAILED 0.05f /* a lower probability fails */
 
 /* Measures of a structure, or of the whole model. -1: not measured. */

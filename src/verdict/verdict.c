@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_DOUBTFUL 0.35f      /* probability of a whole whose structures disagree with its measures */
+#define SMR_DOUBTFUL 0.3f       /* probability of a whole whose structures disagree with its measures */
 #define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures whose verdict is not good */
 
 const char *smr_reason_text(uint32_t bit)

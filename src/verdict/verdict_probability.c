@@ -54,15 +54,15 @@ static const struct {
     [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
     [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* share of the target, for a whole model */
     [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* the same for a partly visible model */
-    [STRAYS] = {SMR_REASON_UNCOVERED, 0.2f, 0.25f, 0.5f, 1.0f},          /* outliers, share of a cloud's points */
+    [STRAYS] = {SMR_REASON_UNCOVERED, 0.35f, 0.5f, 0.8f, 1.0f},          /* outliers, share of a cloud's points */
     [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* share of the area that disagrees */
     [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.23f, 0.25f, 2.0f, 1.0f},        /* residual in mean edge lengths */
     [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* residual of landmarks, mm */
     [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* change of size since the start */
     [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* the same with a partial target */
     [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* strain over its largest plausible value */
-    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.21f, 1.0f},        /* change of the size of parts */
-    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 2.0f, 1.09f},            /* change of volume */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* change of the size of parts */
+    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* change of volume */
     [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 25.0f, 1.15f},      /* largest rotation of a part, degrees */
     [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
@@ -72,9 +72,9 @@ static const struct {
 /* Share of runs with this sum of doubts that were right. */
 static const struct {
     float doubt, probability;
-} curve[] = {{0.0f, 0.98f},  {SMR_DOUBT_GOOD, SMR_PROBABILITY_GOOD},
-             {2.0f, 0.35f},  {SMR_DOUBT_FAILED, SMR_PROBABILITY_FAILED},
-             {10.0f, 0.01f}, {20.0f, 0.0f}};
+} curve[] = {{0.0f, 0.985f},  {SMR_DOUBT_GOOD, SMR_PROBABILITY_GOOD},
+             {2.0f, 0.3f},    {SMR_DOUBT_FAILED, SMR_PROBABILITY_FAILED},
+             {10.0f, 0.005f}, {20.0f, 0.0f}};
 
 static float between(float x, float from, float to, float low, float high)
 {

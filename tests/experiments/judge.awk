@@ -35,7 +35,7 @@ function tell(half, class, level, word,   of, f, sum, families) {
         half, class, word, called[of, level], half, class, word, families ? 100 * sum / families : 0,
         half, class, word, wilson(called[of, level], n[of], -1), half, class, word, wilson(called[of, level], n[of], 1)
 }
-BEGIN { steps = split("0.05 0.2 0.35 0.5 0.7 0.8 0.9 0.95", step, " "); bins = split("0 0.05 0.35 0.7 0.95 1.01", bin, " ") }
+BEGIN { steps = split("0.05 0.2 0.35 0.5 0.7 0.8 0.9 0.95", step, " "); bins = split("0 0.05 0.3 0.8 0.95 1.01", bin, " ") }
 {
     half = $1 % 2 ? "odd" : "even"
     vertex = !$4 && $9 >= 0
