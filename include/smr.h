@@ -335,9 +335,8 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 
-/* Writes each vertex' expected distance from its true place to mm[n_vertices], in the caller's order; and its parts,
- * whose squares add up: across the surface (the distance from the true surface) and along it. One part may be NULL.
- * -1: too little of the structure is visible for an estimate. Errors: as smr_get_verdict(). */
+/* Writes each vertex' expected distance from its true place to mm[n_vertices], or its parts, across and along the true
+ * surface; one of them may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
 
@@ -358,10 +357,9 @@ typedef struct smr_structure_report {
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
 
 /* Computes the rigid pose that best maps the rest shape of a structure, or of SMR_ALL, onto the visible vertices; onto
- * all vertices if fewer than 3 are visible. *residual_mm: mean distance of the visible vertices in that pose to the
- * planes through their last goals. -1: an input was set, or s restored, since the last forces, or an iteration is
- * under way. After the first complete iteration on a new target (target_serial) this is the first pose for navigation.
- * The cost is two passes over the vertices. Errors: E_NULL, E_INPUT, E_STATE (not a registration, inputs missing). */
+ * all if fewer than 3 are visible. *residual_mm: mean distance of visible vertices in that pose to the planes through
+ * their last goals; -1: not measured since an input was set or restored, or within an iteration. After the first
+ * complete iteration on a target this is a pose for navigation. Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float *residual_mm);
 
 /* Writes ratio[n_vertices], in the caller's order; for SMR_ALL, of all structures in a row. A ratio is the volume

@@ -326,9 +326,9 @@ TEST(test_each_measure)
         float good, look, failed;
     } all[] = {{AT(scale), SURFACE, SMR_REASON_SCALE, 1.15f, 1.4f, 0},
                {AT(scale), MARKS, SMR_REASON_SCALE, 0.85f, 0.7f, 0},
-               {AT(stretch), SURFACE, SMR_REASON_STRAIN, 0.03f, 0.08f, 0.3f},
+               {AT(stretch), SURFACE, SMR_REASON_STRAIN, 0.03f, 0.08f, 0.6f},
                {AT(strain), MARKS, SMR_REASON_STRAIN, 0.2f, 0.4f, 0},
-               {AT(volume_ratio), SURFACE, SMR_REASON_VOLUME, 1.15f, 1.5f, 3},
+               {AT(volume_ratio), SURFACE, SMR_REASON_VOLUME, 1.15f, 1.5f, 6},
                {AT(volume_ratio), MARKS, SMR_REASON_VOLUME, 0.87f, 0.7f, -1},
                {AT(rotation_deg), SURFACE, SMR_REASON_ROTATION, 8, 25, 60},
                {AT(bend_mm), MARKS, SMR_REASON_BEND, 12, 30, 0},
