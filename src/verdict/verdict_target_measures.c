@@ -209,6 +209,9 @@ static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
 {
     const smr_shape_structure *one = &s->shape.structure[structure];
     const uint32_t looked = smr_min_u32(one->n_vertices, SMR_LOOKED);
+    uint32_t shown = 0;
+    for (uint32_t i = 0; i < one->n_vertices; i++)
+        shown += (uint32_t)smr_image_shows(&s->forces.image, smr_model_position(s->shared.model, one->first_vertex + i));
     for (uint32_t k = 0; k < looked && !smr_field_of_past(&s->forces.occluded); k++) {
         const uint32_t i = (uint32_t)((uint64_t)k * one->n_vertices / looked);
         int32_t wins;
@@ -218,13 +221,14 @@ static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
         if (n > 0u)
             smr_mean_add(&e->similarity, (float)wins / (float)n, (float)n);
     }
-    if (!(e->similarity.weight > 0.0f) && !smr_field_of_past(&s->forces.occluded))
+    if (!(e->similarity.weight > 0.0f) && shown > 0u && !smr_field_of_past(&s->forces.occluded))
         smr_mean_add(&e->similarity, 0.0f, 1.0f); /* no comparison counts as chance */
     const float matched = smr_forces_matched(&s->forces, structure);
-    if (matched >= 0.0f) {
-        smr_mean_add(&e->goals, matched, (float)one->n_vertices);
-        smr_mean_add(&e->visible, matched, (float)one->n_vertices);
-    }
+    if (matched >= 0.0f)
+        smr_mean_add(&e->goals, matched, (float)shown);
+    if (s->forces.surface.target[structure].measured)
+        smr_mean_add(&e->visible, smr_max(matched, 0.0f) * ((float)shown / (float)one->n_vertices),
+                     (float)one->n_vertices);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         if (s->forces.found_last[v] == SMR_FOUND_GOAL)

@@ -237,5 +237,6 @@ void case_displaced(char **word);
 void case_click(char **word);
 void case_spread(char **word);
 void case_depths(char **word);
+void case_crop(char **word);
 
 #endif

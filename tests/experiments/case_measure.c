@@ -237,10 +237,11 @@ void case_tell(const case_data *data, const char *directory)
     const case_figures f = case_measure(data, xyz);
     (void)printf("surface %.4f\nvertex %.4f\nworst %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.worst,
                  f.unseen, turned(&data->body[0].model, &result[0]));
-    if (f.unseen >= 0.0 && data->body[0].whole.n_vertices == data->body[0].truth.n_vertices) /* where it is shown */
-        (void)printf("to_seen %.4f\nfrom_seen %.4f\n",
-                     case_surface_mean(&result[0], &data->body[0].whole, data->body[0].seen, NULL),
-                     case_surface_mean(&data->body[0].whole, &result[0], data->body[0].seen, NULL));
+    const case_body *const first = &data->body[0];
+    if (f.unseen >= 0.0) /* where it is shown */
+        (void)printf("to_seen %.4f\n", case_surface_mean(&result[0], &first->whole, first->seen, NULL));
+    if (f.unseen >= 0.0 && first->whole.n_vertices == first->truth.n_vertices)
+        (void)printf("from_seen %.4f\n", case_surface_mean(&first->whole, &result[0], first->seen, NULL));
     tell_expected(data, result, directory);
     for (uint32_t i = 0; i < data->n; i++)
         host_mesh_free(&result[i]);

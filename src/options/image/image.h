@@ -18,6 +18,7 @@
 #define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image: one takes the time of forty on a surface */
 #define SMR_CONTRAST_ONE 64u  /* stored number for equal contrast of image and profile */
 #define SMR_BRIGHTER_NONE 128 /* stored number for equal brightness of image and profile */
+#define SMR_BRIGHTER_HIDDEN 0 /* stored number for a vertex that the image does not show */
 
 /* Results of one structure's search in the image in the last iteration, and settings of its next search. */
 typedef struct smr_image_structure {
@@ -41,6 +42,7 @@ typedef struct smr_image_goals {
     const uint8_t *found;           /* [n] SMR_FOUND_... of the last complete forces */
     smr_rings rings;                /* sums of the mesh neighbours' positions, for the smoothing force */
     uint32_t has_image;             /* 1: structures without a target surface follow the image */
+    uint32_t n_invisible;           /* number of SMR_BRIGHTER_HIDDEN in `brighter` */
     smr_grid grid;                  /* the target image */
     smr_image_structure *structure; /* [n_structures] each structure's search in the image */
     uint32_t ring_pieces;           /* pieces of a structure in the current step; 0 and 1: the structure is one task */
@@ -56,13 +58,17 @@ static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
 void smr_image_goals_reset(smr_image_goals *g);                       /* discards all results of the current forces */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* sets the target image; NULL: none */
-void smr_image_goals_noise(smr_image_goals *g);  /* computes each structure's noise level from the model */
+void smr_image_goals_derive(smr_image_goals *g); /* computes noise levels and n_invisible */
 void smr_image_goals_commit(smr_image_goals *g); /* called when the current forces are complete: keeps their results */
 
 /* The displacement of vertex v to its goal in the image: SMR_GOAL, and *displacement is set. SMR_NO_GOAL: no goal
- * above the confidence threshold. SMR_UNDECIDED: the vertex has no profile, the search leaves the image or meets one
- * value only, or the search distance is below a sample. Stores contrast and brightness at the goal. */
+ * above the confidence threshold. SMR_UNDECIDED: the search leaves the image or meets one value only, or the search
+ * distance is below a sample. SMR_INVISIBLE: no goal, and the image does not show the vertex. Stores contrast and
+ * brightness at the goal. */
 int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement);
+
+/* Returns 1 when v has an intensity profile, which lies in the image where v is: the reference image showed all of it. */
+int smr_image_shows(const smr_image_goals *g, uint32_t v);
 
 /* Returns 1 when the current forces search the image for this structure: some search distance reaches a sample. */
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure);

@@ -21,7 +21,7 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
     g->brighter = smr_slot_bytes(a, g->brighter, shared->n, UINT8_MAX);
     g->brighter_next = smr_slot_scratch(a, g->brighter_next, shared->n, 1);
     smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
-    /* the next iteration recomputes the other fields; the noise follows from the model */
+    /* the next iteration recomputes the other fields, or smr_image_goals_derive() does */
     for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++) {
         smr_image_structure none = {0}, *s = g->structure == NULL ? &none : &g->structure[k];
         smr_keep_words(a, &s->idle, 1, 1);
@@ -37,12 +37,21 @@ void smr_image_goals_reset(smr_image_goals *g)
     memset(g->brighter_next, SMR_BRIGHTER_NONE, g->shared->n);
     for (uint32_t k = 0; k < g->shared->n_structures; k++)
         g->structure[k].idle = 0;
+    g->n_invisible = 0;
+}
+
+static void count_invisible(smr_image_goals *g)
+{
+    g->n_invisible = 0;
+    for (uint32_t v = 0; v < g->shared->n; v++)
+        g->n_invisible += g->brighter[v] == SMR_BRIGHTER_HIDDEN;
 }
 
 void smr_image_goals_commit(smr_image_goals *g)
 {
     memcpy(g->contrast, g->contrast_next, g->schedule->n_active);
     memcpy(g->brighter, g->brighter_next, g->schedule->n_active);
+    count_invisible(g);
 }
 
 void smr_image_forget(smr_image_goals *g, uint32_t v)
@@ -71,10 +80,11 @@ static float noise_of(const smr_model *m, const smr_shape_structure *one)
     return count > 0.0f ? SMR_NOISE * (sum / count) : 0.0f;
 }
 
-void smr_image_goals_noise(smr_image_goals *g)
+void smr_image_goals_derive(smr_image_goals *g)
 {
-    for (uint32_t k = 0; g->has_image && k < g->shared->n_structures; k++)
+    for (uint32_t k = 0; k < g->shared->n_structures; k++)
         g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
+    count_invisible(g);
 }
 
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
@@ -83,7 +93,7 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
     if (image == NULL)
         return;
     g->grid = *image;
-    smr_image_goals_noise(g);
+    smr_image_goals_derive(g);
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
         g->structure[k].gain = 1.0f; /* contrast as in the profiles, until the first goals are found */
         g->structure[k].brighter = 0.0f;
@@ -159,6 +169,17 @@ static search_line line_of(const smr_image_goals *g, uint32_t v, const reference
     const smr_vec at = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     l.start = smr_sub(at, smr_scale(l.step, (float)l.before));
     return l;
+}
+
+int smr_image_shows(const smr_image_goals *g, uint32_t v)
+{
+    float line[SMR_PROFILE_MAX];
+    unsigned char inside[SMR_PROFILE_MAX];
+    const reference_profile r = reference_shape(g, v, 0.0f);
+    const smr_vec step = smr_scale(smr_get3(g->shape->normal, v), r.step_mm);
+    const smr_vec at = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
+    const smr_vec first = smr_sub(at, smr_scale(step, (float)r.inward));
+    return r.range > 0.0f && smr_grid_line(&g->grid, first, step, r.n, line, inside) == r.n;
 }
 
 void smr_image_ahead(const smr_image_goals *g, uint32_t v)
@@ -245,6 +266,13 @@ static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const
     return edge;
 }
 
+/* Marks v as not shown by the image. */
+static int hidden(smr_image_goals *g, uint32_t v)
+{
+    g->brighter_next[v] = SMR_BRIGHTER_HIDDEN;
+    return SMR_INVISIBLE;
+}
+
 int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_config *const c = &g->shared->config;
@@ -255,7 +283,7 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     unsigned char inside[SMR_LINE_MAX];
     uint8_t value[SMR_PROFILE_MAX];
     if (l.n == 0u)
-        return SMR_UNDECIDED;
+        return r.range > 0.0f || l.reach + l.edge_reach == 0u ? SMR_UNDECIDED : hidden(g, v);
     const smr_model *const m = g->shared->model;
     const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * smr_le32(m->profile_samples);
     for (uint32_t k = 0; k < r.n; k++)
@@ -273,7 +301,7 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     const smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > c->image.confidence))
-        return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNDECIDED;
+        return whole && varies(line, l.n) ? SMR_NO_GOAL : smr_image_shows(g, v) ? SMR_UNDECIDED : hidden(g, v);
     const float offset =
         (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
     *displacement = smr_scale(l.step, offset);

@@ -65,13 +65,17 @@ static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
         return 0u;
     if (f->landmarks->n > 0u)
         return f->landmarks->visibility[v];
-    if (!smr_field_of_image(f) || (target->partial && !smr_field_of_rest(f, v)))
+    const int in_image = smr_field_of_image(f) || (smr_field_of_part(f) && target->surface == NULL);
+    if (!in_image || (target->partial && !smr_field_of_rest(f, v)))
         return f->goals->visibility[v];
     return f->found[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
 }
 
 /* Returns 1 when the field must count visible vertices; otherwise smr_target.n_visible has their number. */
-static int counts(const smr_occluded_field *f) { return f->landmarks->n > 0u || smr_field_of_image(f); }
+static int counts(const smr_occluded_field *f)
+{
+    return f->landmarks->n > 0u || smr_field_of_image(f) || smr_field_of_part(f);
+}
 
 static smr_choice *choice(const smr_occluded_field *f) { return (smr_choice *)(void *)f->lower; }
 

@@ -25,7 +25,8 @@ uint32_t smr_field_normals_only(const smr_occluded_field *f)
     uint32_t open = 0;
     for (uint32_t i = 0; i < f->shared->n_structures; i++)
         open |= (uint32_t)smr_visibility_always_partial(f->goals, i);
-    return f->shared->config.partial.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
+    const int in_image = smr_field_of_image(f) || smr_field_of_part(f);
+    return f->shared->config.partial.n_landmarks == 0u && !in_image && !f->sheet ? open : 0u;
 }
 
 /* The smallest power of two that is at least n. */

@@ -131,6 +131,7 @@ typedef struct smr_occluded_field {
     const smr_landmark_goals *landmarks;
     const uint8_t *found;      /* [n] SMR_FOUND_... of the last complete forces */
     const uint32_t *has_image; /* 1: structures without a target surface follow an image */
+    const uint32_t *n_invisible; /* number of vertices that the image does not show */
     uint32_t most;             /* most controls that the memory holds */
     float *start;              /* [most][3] start positions of the controls, mm */
     float *coefficient;        /* [most][3] coefficients of the field; at first residuals after the pose, mm */
@@ -190,6 +191,12 @@ void smr_occluded_field_wire(smr_occluded_field *f,
 static inline int smr_field_of_image(const smr_occluded_field *f)
 {
     return SMR_HAS_PARTIAL && f->schedule->tracking && *f->has_image;
+}
+
+/* Returns 1 when the image shows a part of the model, whose vertices with a goal are visible. */
+static inline int smr_field_of_part(const smr_occluded_field *f)
+{
+    return SMR_HAS_PARTIAL && *f->has_image && *f->n_invisible > 0u && f->goals->visibility != NULL;
 }
 
 /* Returns 1 when the tracked image is outdated. */

@@ -79,6 +79,7 @@ static void wire_sources(smr_forces *f, const smr_overlay *overlay)
     f->occluded.landmarks = &f->landmarks;
     f->occluded.found = f->found_last;
     f->occluded.has_image = &f->image.has_image;
+    f->occluded.n_invisible = &f->image.n_invisible;
     smr_occluded_field_wire(&f->occluded, overlay);
 }
 

@@ -67,7 +67,7 @@ static void derive(smr *s)
 {
     s->shape.start_box = smr_box_of(s->shape.start, s->shared.n);
     if (smr_image_on(&s->forces.image))
-        smr_image_goals_noise(&s->forces.image);
+        smr_image_goals_derive(&s->forces.image);
     smr_triangles_now(&s->shape);
     if (SMR_HAS_HELD)
         smr_track_rest_derive(&s->shape);

@@ -109,6 +109,8 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     float weight = rest ? (float)f->surface.visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE) : (float)goal;
     smr_vec own;
     const int in_image = SMR_HAS_IMAGE && beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
+    if (SMR_HAS_IMAGE && !in_image)
+        smr_image_forget(&f->image, v); /* the surface decides what is visible */
     if (!(rest && in_image) && (partial || landmarks))
         smr_occluded_field_blend(&f->occluded, v, found, displacement);
     if (in_image)
@@ -121,6 +123,10 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
 /* Finds the displacement of v to an image goal, or without one its smoothing displacement, mm. Returns SMR_FOUND_... */
 static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
+    static const uint8_t found_of[] = {[SMR_NO_GOAL] = SMR_FOUND_NONE,
+                                       [SMR_GOAL] = SMR_FOUND_GOAL,
+                                       [SMR_UNDECIDED] = SMR_FOUND_UNDECIDED,
+                                       [SMR_INVISIBLE] = SMR_FOUND_NO_TARGET};
     if (smr_field_of_past(
             &f->occluded)) { /* the field moves goals found in an outdated image along with newer targets */
         smr_image_keep(&f->image, v);
@@ -132,9 +138,9 @@ static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
         visible = smr_occluded_field_blend_image(&f->occluded, v, visible, displacement);
     else if (visible == SMR_NO_GOAL)
         *displacement = smr_fill_displacement(&f->image, v);
-    const uint8_t found = visible == SMR_GOAL        ? SMR_FOUND_GOAL
-                          : visible == SMR_UNDECIDED ? SMR_FOUND_UNDECIDED
-                                                     : SMR_FOUND_NONE;
+    else if (visible == SMR_INVISIBLE && smr_field_of_part(&f->occluded))
+        *displacement = smr_occluded_field_displacement(&f->occluded, v);
+    const uint8_t found = found_of[visible];
     if (!smr_landmarks_on(&f->landmarks))
         return found;
     const int kept =
