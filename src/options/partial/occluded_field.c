@@ -57,8 +57,7 @@ void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
     f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
 }
 
-/* The visibility of a vertex in the target that the field follows, 0 .. SMR_VISIBLE_ONE. */
-static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
+uint32_t smr_field_visibility(const smr_occluded_field *f, uint32_t v)
 {
     const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
     if (smr_field_of_past(f) && target->surface == NULL)
@@ -92,7 +91,7 @@ static void count_visible(smr_occluded_field *f, uint32_t task)
     for (uint32_t i = 0; task == 0u && !counts(f) && i < f->shared->n_structures; i++)
         c->total += f->goals->target[i].n_visible;
     for (uint32_t v = task * SMR_LOOK; counts(f) && v < end; v++)
-        c->total += visibility(f, v) > SMR_VISIBLE_ONE / 2u;
+        c->total += smr_field_visibility(f, v) > SMR_VISIBLE_ONE / 2u;
 }
 
 /* Chooses controls: every k-th visible vertex in stored order, which runs through the whole model. Inactive vertices
@@ -107,7 +106,7 @@ static void choose(smr_occluded_field *f, uint32_t task)
         return;
     }
     for (uint32_t v = task * SMR_LOOK; v < end && c->n < wanted; v++) {
-        if (visibility(f, v) <= SMR_VISIBLE_ONE / 2u)
+        if (smr_field_visibility(f, v) <= SMR_VISIBLE_ONE / 2u)
             continue;
         if ((uint64_t)c->passed * wanted >= (uint64_t)c->n * c->total)
             c->control[c->n++] = v;
@@ -139,7 +138,7 @@ static void add_visible(smr_occluded_field *f, const uint32_t *control, float ra
     const float noise_variance = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_NOISE, one = (float)SMR_VISIBLE_ONE;
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
-        const float counts = f->by_normals ? 2.0f * (float)visibility(f, v) - one : (float)visibility(f, v);
+        const float shown = (float)smr_field_visibility(f, v), counts = f->by_normals ? 2.0f * shown - one : shown;
         add_control(f, k, smr_get3(smr_field_start(f), v), smr_get3(f->shape->x, v), 1.0f, fit);
         f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
     }
@@ -218,6 +217,11 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
     return smr_sub(to, x);
 }
 
+smr_vec smr_occluded_field_follow(const smr_occluded_field *f, uint32_t v)
+{
+    return smr_scale(smr_occluded_field_displacement(f, v), f->by_normals ? smr_field_normals_step(f) : 1.0f);
+}
+
 /* Returns the mean of a and b, where b has the weight t, 0..1. */
 static smr_vec mix(smr_vec a, smr_vec b, float t) { return smr_add(smr_scale(a, 1.0f - t), smr_scale(b, t)); }
 
@@ -243,8 +247,7 @@ void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_g
     const float share = smr_visibility_of(f->goals, v, has_goal);
     const int holds = smr_field_of_image(f) && f->landmarks->n == 0u;
     const float slides = holds ? smr_visibility_partial(f->goals, v) : 1.0f;
-    const smr_vec by_field =
-        smr_scale(smr_occluded_field_displacement(f, v), f->by_normals ? smr_field_normals_step(f) : 1.0f);
+    const smr_vec by_field = smr_occluded_field_follow(f, v);
     *displacement = mix(by_field, smr_add(*displacement, smr_scale(along(f, v, by_field), slides)), share);
     smr_occluded_field_blend_hard(f, v, displacement);
 }

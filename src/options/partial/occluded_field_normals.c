@@ -25,8 +25,8 @@ uint32_t smr_field_normals_only(const smr_occluded_field *f)
     uint32_t open = 0;
     for (uint32_t i = 0; i < f->shared->n_structures; i++)
         open |= (uint32_t)smr_visibility_always_partial(f->goals, i);
-    const int in_image = smr_field_of_image(f) || smr_field_of_part(f);
-    return f->shared->config.partial.n_landmarks == 0u && !in_image && !f->sheet ? open : 0u;
+    open |= (uint32_t)smr_field_of_part(f);
+    return f->shared->config.partial.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
 }
 
 /* The smallest power of two that is at least n. */
@@ -47,7 +47,7 @@ uint32_t smr_field_normals_choose(const smr_occluded_field *f, uint32_t first, u
     const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u; /* odd: each position occurs once */
     for (uint32_t i = first; i < smr_min_u32(last, all) && n < f->most; i++) {
         const uint32_t v = (i * apart + SMR_FIELD_TURN * f->schedule->iteration) & (all - 1u);
-        if (v < f->shared->n && f->goals->visibility[v] > SMR_VISIBLE_ONE / 2u)
+        if (v < f->shared->n && smr_field_visibility(f, v) > SMR_VISIBLE_ONE / 2u)
             control[n++] = v;
     }
     return n;
@@ -119,7 +119,9 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
-        const smr_vec goal = smr_add(smr_get3(f->coefficient, k), smr_surface_goal_again(f->goals, control[k]));
+        const int in_image = f->goals->target[smr_model_owner(f->shared->model, control[k])].surface == NULL;
+        const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, control[k]);
+        const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
         f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f->back, m);
         smr_put3(f->coefficient, k, n);
     }

@@ -157,6 +157,8 @@ typedef struct smr_occluded_field {
 
 /* ---- occluded_field_normals.c: controls along their normals ---- */
 
+/* The visibility of a vertex in the target that the field follows, 0 .. SMR_VISIBLE_ONE. */
+uint32_t smr_field_visibility(const smr_occluded_field *f, uint32_t v);
 /* Returns 1 when controls are known along their normals only. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f);
 /* Adds visible vertices at positions first .. last - 1 of an order of the model to n controls. Returns the new n. */
@@ -218,6 +220,8 @@ smr_run_task smr_occluded_field_solve;
 
 /* The displacement from vertex v to the position that the field gives to v, mm. */
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
+/* The share of that displacement that this iteration takes, mm: all of it where controls are known in all directions. */
+smr_vec smr_occluded_field_follow(const smr_occluded_field *f, uint32_t v);
 /* Adds the field's displacement along the surface to the goal's, mm, and averages with the field by visibility. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement);
 /* Averages the displacement of a vertex without a goal with the field. The field gets more weight as the nearest

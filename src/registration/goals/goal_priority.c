@@ -139,7 +139,7 @@ static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
     else if (visible == SMR_NO_GOAL)
         *displacement = smr_fill_displacement(&f->image, v);
     else if (visible == SMR_INVISIBLE && smr_field_of_part(&f->occluded))
-        *displacement = smr_occluded_field_displacement(&f->occluded, v);
+        *displacement = smr_occluded_field_follow(&f->occluded, v);
     const uint8_t found = found_of[visible];
     if (!smr_landmarks_on(&f->landmarks))
         return found;
