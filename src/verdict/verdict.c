@@ -4,6 +4,8 @@
 #include "verdict/verdict_measures.h"
 
 #define SMR_DOUBTFUL 0.3f       /* probability of a whole whose structures disagree with its measures */
+#define SMR_HIDDEN_SHARE 0.05f  /* share of vertices that an image does not show, above which they count */
+#define SMR_HIDDEN_MOST 3.4f    /* their largest expected error in a good result, mm */
 #define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures whose verdict is not good */
 
 const char *smr_reason_text(uint32_t bit)
@@ -69,11 +71,20 @@ static void add_all(smr_evidence *to, const smr_evidence *more)
     to->rotation_deg = smr_max(to->rotation_deg, more->rotation_deg);
 }
 
+/* Adds a reason for which a result is not good, whatever its measures say. */
+static void add_doubt(smr_verdict *verdict, uint32_t reason)
+{
+    verdict->reasons |= reason;
+    verdict->level = smr_max_u32(verdict->level, SMR_VERDICT_LOOK);
+    verdict->probability = smr_min(verdict->probability, SMR_DOUBTFUL);
+}
+
 /* Computes the verdict on a structure or on the whole model (SMR_ALL) from its measures. */
 static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, smr_verdict *verdict)
 {
     memset(verdict, 0, sizeof *verdict);
-    verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
+    const smr_mean shown = {e->expected.sum - e->hidden.sum, e->expected.weight - e->hidden.weight};
+    verdict->expected_error_mm = smr_mean_of(shown, -1.0f); /* rules judge what the image shows */
     verdict->expected_across_mm = smr_mean_of(e->across, -1.0f);
     verdict->expected_along_mm = smr_mean_of(e->along, -1.0f);
     verdict->expected_visible_mm = smr_mean_of(e->on_visible, -1.0f);
@@ -93,14 +104,9 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     smr_measure_moved(s, structure, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
               smr_mean_of(e->strays, 0.0f));
-}
-
-/* Adds a reason for which a result is not good, whatever its measures say. */
-static void add_doubt(smr_verdict *verdict, uint32_t reason)
-{
-    verdict->reasons |= reason;
-    verdict->level = smr_max_u32(verdict->level, SMR_VERDICT_LOOK);
-    verdict->probability = smr_min(verdict->probability, SMR_DOUBTFUL);
+    verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
+    if (e->hidden.weight > SMR_HIDDEN_SHARE * e->expected.weight && smr_mean_of(e->hidden, 0.0f) > SMR_HIDDEN_MOST)
+        add_doubt(verdict, SMR_REASON_LITTLE_VISIBLE);
 }
 
 /* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not,

@@ -11,7 +11,7 @@ typedef struct smr_mean {
     float sum, weight;
 } smr_mean;
 
-#define SMR_MEANS 16u /* means in smr_evidence */
+#define SMR_MEANS 17u /* means in smr_evidence */
 
 /* Measures of a result. Fields are as in smr_verdict where names agree. */
 typedef struct smr_evidence {
@@ -30,10 +30,12 @@ typedef struct smr_evidence {
             smr_mean bend, expected; /* standard deviation of the displacement; expected error, mm */
             smr_mean across, along;  /* expected error across the surface and along it, mm */
             smr_mean on_visible;     /* expected error of visible vertices, mm */
+            smr_mean hidden;         /* expected error where the image does not show the model, mm */
         };
         smr_mean mean[SMR_MEANS]; /* all means as a list */
     };
-    float rotation_deg; /* largest rotation of a part against the whole structure, degrees */
+    float rotation_deg;   /* largest rotation of a part against the whole structure, degrees */
+    uint32_t n_invisible; /* vertices that the image does not show */
 } smr_evidence;
 
 _Static_assert(offsetof(smr_evidence, rotation_deg) == SMR_MEANS * sizeof(smr_mean), "the list names every mean");

@@ -223,6 +223,7 @@ static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
     }
     if (!(e->similarity.weight > 0.0f) && shown > 0u && !smr_field_of_past(&s->forces.occluded))
         smr_mean_add(&e->similarity, 0.0f, 1.0f); /* no comparison counts as chance */
+    e->n_invisible = one->n_vertices - shown;
     const float matched = smr_forces_matched(&s->forces, structure);
     if (matched >= 0.0f)
         smr_mean_add(&e->goals, matched, (float)shown);
