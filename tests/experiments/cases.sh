@@ -2,7 +2,7 @@
 # cases: experiments on data as they are, a function for each group; written with the words of experiments.sh, which reads it.
 # SPDX-License-Identifier: MIT
 
-groups='thigh parts verdict contact track persons landmarks points scene ct volume mri fusing'
+groups='thigh shown parts verdict contact track persons landmarks points scene ct volume mri fusing'
 ! full || groups="$groups views carry"
 
 thigh='--model data/hip_thigh_vhm/*.ply --reference data/thigh_patient/mri_reference.mha'
@@ -79,6 +79,54 @@ group_mri() {
         within mri:$seed to_seen 1 from_seen 1 2-start_to_seen 0
     done
     over mri
+}
+
+# Images that show the upper 30, 50 or 70 % of a bone, then reference images that show two thirds. Starts: landmarks that the
+# image shows, spread over the bone, as they are and moved by up to 20 mm. True places: the patient's; those that a
+# registration onto the whole true surface finds.
+group_shown() {
+    need hip_thigh_vhm thigh_patient thigh_person ct_hips_surfaces volumes/ct_hips.mha || return
+    femur=data/hip_thigh_vhm/femur.ply hip=data/ct_hips_surfaces/hip_bone_right.ply
+    mri=data/thigh_patient/mri_reference.mha ct=data/volumes/ct_hips.mha
+    smr register --model $femur --target data/thigh_person/truth/femur.ply $(marks person) -o person
+    smr register --model $hip --target data/ct_hips_surfaces/hip_bone_left.ply --mirror-target x --align rigid -o hip
+    shown() { # row, seed of landmarks that are off or 0, most in the visible part, words
+        row=$1 most=$3
+        tool click $4/to.csv 20 $2 off.csv
+        shift 3
+        c=$1; shift
+        register $row --vertex-errors --landmarks $c/from.csv off.csv "$@"
+        measure $row $c
+        within $row to_seen $most 'status*(3-status)' 0 ratio 2 0.5-ratio 0
+    }
+    for who in patient person hip; do
+        model=$femur reference=$mri image=data/thigh_$who/mri_$who.mha whole=data/thigh_$who/truth/femur.ply most=1.3 words='--align rigid'
+        case $who in
+        patient) places=$whole ;;
+        person) places=person/femur.ply most=3 words='' ;; # a rigid start is too far off
+        hip) places=hip/hip_bone_right.ply model=$hip reference=$ct image=$ct whole=x:data/ct_hips_surfaces/hip_bone_left.ply words='--align rigid --mirror-target x' ;;
+        esac
+        tool crop 1 $image $places $model $places $whole all_$who
+        tool spread all_$who 24 0 1 0 all_$who/from.csv all_$who/there.csv
+        sign=$([ $who = hip ] && echo -1 || echo 1)
+        awk -F , -v s=$sign '{ printf "%s,%.9g,%s,%s\n", $1, s * $2, $3, $4 }' all_$who/there.csv >all_$who/to.csv
+        for share in $(either short 0.5 '0.3 0.5 0.7'); do
+            tool crop $share $image $places $model $places $whole case all_$who/from.csv all_$who/to.csv
+            for seed in $([ $who = person ] || full && echo 0) $([ $who = person ] || echo 1); do
+                shown $who:$share:$seed $seed $most case --model $model --reference $reference --target case/image.mha $words
+            done
+        done
+        full || continue
+        tool crop 0.67 $reference $model $model $places $whole case all_$who/to.csv all_$who/from.csv
+        mv case/from.csv to && mv case/to.csv case/from.csv && mv to case/to.csv
+        shown ${who}_reference 0 $most case --model $model --reference case/image.mha --target $image $words
+    done
+    over patient; over person; over hip
+    full || return 0
+    # A start by far landmarks ends beside the bone, and the verdict is not good.
+    tool crop 0.7 data/thigh_person/mri_person.mha person/femur.ply $femur person/femur.ply data/thigh_person/truth/femur.ply case
+    register wrong --model $femur --reference $mri --target case/image.mha $(marks person)
+    within wrong good 0
 }
 
 # The right hip into the mirrored CT, whose right side is the left hip. The right verdict is "look": muscles look alike
