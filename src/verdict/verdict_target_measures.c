@@ -211,7 +211,8 @@ static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
     const uint32_t looked = smr_min_u32(one->n_vertices, SMR_LOOKED);
     uint32_t shown = 0;
     for (uint32_t i = 0; i < one->n_vertices; i++)
-        shown += (uint32_t)smr_image_shows(&s->forces.image, smr_model_position(s->shared.model, one->first_vertex + i));
+        shown +=
+            (uint32_t)smr_image_shows(&s->forces.image, smr_model_position(s->shared.model, one->first_vertex + i));
     for (uint32_t k = 0; k < looked && !smr_field_of_past(&s->forces.occluded); k++) {
         const uint32_t i = (uint32_t)((uint64_t)k * one->n_vertices / looked);
         int32_t wins;

@@ -24,7 +24,8 @@ static void crop(const char *path, double z, const char *out)
     image.origin[2] += (float)from * image.spacing[2];
     host_volume_write_header(&image, image.type, 1, "", out, &bytes);
     const size_t voxel = host_volume_voxel_bytes(image.type), skipped = voxel * slice * from;
-    host_volume_write_values((unsigned char *)image.voxels + skipped, image.type, (size_t)slice * image.size[2], &bytes);
+    host_volume_write_values((unsigned char *)image.voxels + skipped, image.type, (size_t)slice * image.size[2],
+                             &bytes);
     FILE *const file = fopen(out, "wb");
     if (file == NULL || bytes.failed || fwrite(bytes.data, 1, bytes.size, file) != bytes.size || fclose(file) != 0)
         case_fail(out);

@@ -110,8 +110,8 @@ group_shown() {
         tool spread all_$who 24 0 1 0 all_$who/from.csv all_$who/there.csv
         sign=$([ $who = hip ] && echo -1 || echo 1)
         awk -F , -v s=$sign '{ printf "%s,%.9g,%s,%s\n", $1, s * $2, $3, $4 }' all_$who/there.csv >all_$who/to.csv
-        for share in $(either short 0.5 '0.3 0.5 0.7'); do
-            tool crop $share $image $places $model $places $whole case all_$who/from.csv all_$who/to.csv
+        for share in $(either short 50 '30 50 70'); do
+            tool crop 0.$share $image $places $model $places $whole case all_$who/from.csv all_$who/to.csv
             for seed in $([ $who = person ] || full && echo 0) $([ $who = person ] || echo 1); do
                 shown $who:$share:$seed $seed $most case --model $model --reference $reference --target case/image.mha $words
             done

@@ -172,4 +172,43 @@ TEST(test_beside_a_surface)
     assert_true(off[0] < 0.2 && off[1] > off[0] + 0.2 && off[2] > off[1] + 0.1 && off[2] < 1.5);
 }
 
+/* The slices of an image above its middle. */
+static smr_volume upper_half(smr_volume image)
+{
+    const uint32_t below = image.size[2] / 2u;
+    image.voxels = (const float *)image.voxels + (size_t)image.size[0] * image.size[1] * below;
+    image.origin[2] += image.spacing[2] * (float)below;
+    image.size[2] -= below;
+    return image;
+}
+
+/* Half of a ball lies in the target image, or in the reference image: the other half follows, is no failure of the
+ * image, and the verdict tells how much is visible. */
+TEST(test_half_in_image)
+{
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere),
+                     target = rig_ball_image(RIG_BALL_MM + 2.0f, rig_shift);
+    const smr_volume half[2] = {upper_half(reference), upper_half(target)};
+    const smr_config c = smr_config_default_image();
+    for (uint32_t i = 0; i < 2u; i++) {
+        const smr_model *model = rig_ball_model(i == 0u ? &half[0] : &reference);
+        smr *s = rig_init(model, &c, NULL);
+        smr_verdict v;
+        smr_tick_report r = {0};
+        assert_int_equal(SMR_OK, smr_set_volume(s, i == 0u ? &target : &half[1]));
+        for (uint32_t k = 0; r.done == 0u && k < 400u; k++) {
+            r = rig_run(s, 1);
+            assert_true(r.details.n_active < s->shared.n); /* invisible vertices have no target */
+        }
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+        const double off = off_ball(s, model, (double)RIG_BALL_MM + 2.0, rig_shift);
+        if (!(off < 0.6 && v.goals_share > 0.95f && v.image_similarity > 0.9f))
+            print_error("%u: %f mm off, goals %f, similarity %f\n", i, off, (double)v.goals_share,
+                        (double)v.image_similarity);
+        assert_true(off < 0.6 && v.goals_share > 0.95f && v.image_similarity > 0.9f);
+        assert_true(v.visible_share > 0.3f && v.visible_share < 0.6f && v.level != SMR_VERDICT_FAILED);
+        assert_true((v.reasons & SMR_REASON_GOALS) == 0u);
+    }
+}
+
 int main(void) { return suite_run(NULL, NULL); }

@@ -58,7 +58,7 @@ static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
 void smr_image_goals_reset(smr_image_goals *g);                       /* discards all results of the current forces */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* sets the target image; NULL: none */
-void smr_image_goals_derive(smr_image_goals *g); /* computes noise levels and n_invisible */
+void smr_image_goals_derive(smr_image_goals *g);                      /* computes noise levels and n_invisible */
 void smr_image_goals_commit(smr_image_goals *g); /* called when the current forces are complete: keeps their results */
 
 /* The displacement of vertex v to its goal in the image: SMR_GOAL, and *displacement is set. SMR_NO_GOAL: no goal
@@ -67,7 +67,7 @@ void smr_image_goals_commit(smr_image_goals *g); /* called when the current forc
  * brightness at the goal. */
 int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement);
 
-/* Returns 1 when v has an intensity profile, which lies in the image where v is: the reference image showed all of it. */
+/* Returns 1 when the reference image shows all of the profile of v, and the image all of the same line at v. */
 int smr_image_shows(const smr_image_goals *g, uint32_t v);
 
 /* Returns 1 when the current forces search the image for this structure: some search distance reaches a sample. */

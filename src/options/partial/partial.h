@@ -129,17 +129,17 @@ typedef struct smr_occluded_field {
     const smr_shape *shape;
     const smr_surface_goals *goals;
     const smr_landmark_goals *landmarks;
-    const uint8_t *found;      /* [n] SMR_FOUND_... of the last complete forces */
-    const uint32_t *has_image; /* 1: structures without a target surface follow an image */
+    const uint8_t *found;        /* [n] SMR_FOUND_... of the last complete forces */
+    const uint32_t *has_image;   /* 1: structures without a target surface follow an image */
     const uint32_t *n_invisible; /* number of vertices that the image does not show */
-    uint32_t most;             /* most controls that the memory holds */
-    float *start;              /* [most][3] start positions of the controls, mm */
-    float *coefficient;        /* [most][3] coefficients of the field; at first residuals after the pose, mm */
-    float *lower;              /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; at first the chosen controls */
-    float *noise_variance;     /* [most] noise variance of each control */
-    float *motion;             /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion */
-    float *whitened;           /* [most] residual i given those before, in standard deviations, in the current try */
-    float *residual; /* [most] residual along the normal, goal minus start in the pose, mm; then coefficients */
+    uint32_t most;               /* most controls that the memory holds */
+    float *start;                /* [most][3] start positions of the controls, mm */
+    float *coefficient;          /* [most][3] coefficients of the field; at first residuals after the pose, mm */
+    float *lower;          /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; at first the chosen controls */
+    float *noise_variance; /* [most] noise variance of each control */
+    float *motion;         /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion */
+    float *whitened;       /* [most] residual i given those before, in standard deviations, in the current try */
+    float *residual;       /* [most] residual along the normal, goal minus start in the pose, mm; then coefficients */
     float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; then from the pose to the fitted place */
     smr_vec middle;                /* centre of turns and scale, mm */
     uint32_t sheet;                /* 1: the model is a sheet: only its borders determine its size */
@@ -220,7 +220,7 @@ smr_run_task smr_occluded_field_solve;
 
 /* The displacement from vertex v to the position that the field gives to v, mm. */
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
-/* The share of that displacement that this iteration takes, mm: all of it where controls are known in all directions. */
+/* The share of that displacement that an iteration takes, mm: all of it where controls are known in all directions. */
 smr_vec smr_occluded_field_follow(const smr_occluded_field *f, uint32_t v);
 /* Adds the field's displacement along the surface to the goal's, mm, and averages with the field by visibility. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement);

@@ -19,8 +19,8 @@
 typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 
-/* Result of a vertex' search for a goal: no target, or one that does not show the vertex; a goal; no acceptable goal; the
- * image gives no answer. Then that of the search in the image alone. */
+/* Result of a vertex' search for a goal: no target, or one that does not show the vertex; a goal; no acceptable goal;
+ * the image gives no answer. Then that of the search in the image alone. */
 enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED, SMR_INVISIBLE };
 
