@@ -216,7 +216,7 @@ TEST(follows_images)
 {
     static uint8_t found[N];
     static const uint8_t long_edge[4] = {0, 0, 0xc0, 0x41}; /* 24 mm, little-endian */
-    const uint32_t has_image = 1;
+    const uint32_t has_image = 1, n_invisible = 0;
     smr_track_rest held = {.box = {{0, 0, 0}, {100, 60, 400}}};
     begin(20.0f);
     w.goals.partial = w.target.partial = 0;
@@ -226,6 +226,7 @@ TEST(follows_images)
     w.shape.start = NULL;
     w.field.found = found;
     w.field.has_image = &has_image;
+    w.field.n_invisible = &n_invisible;
     for (uint32_t i = 0; i < N; i++) {
         found[i] = w.start[3u * i + 2u] < 150.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
         w.seen[i] = 0;
