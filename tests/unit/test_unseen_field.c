@@ -33,6 +33,8 @@ typedef struct world {
 
 static world w; /* each test fills it */
 
+static const uint32_t none = 0; /* no image, no vertex that it does not show */
+
 /* Random places in a box of 100 x 60 x 400 mm, at rest; all seen. */
 static void begin(float radius)
 {
@@ -54,6 +56,7 @@ static void begin(float radius)
     w.goals.visibility = w.goals.visibility_next = w.seen;
     w.goals.partial = 1;
     w.overlay.sum = w.memory;
+    smr_occluded_field_wire_image(&w.field, NULL, &none, &none);
     for (uint32_t i = 0; i < N; i++) {
         float at[3];
         oracle_within_box(&r, 0, 100, at);

@@ -119,7 +119,8 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
-        const int in_image = f->goals->target[smr_model_owner(f->shared->model, control[k])].surface == NULL;
+        const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, control[k])];
+        const int in_image = smr_field_of_part(f) && target->surface == NULL;
         const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, control[k]);
         const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
         f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f->back, m);
