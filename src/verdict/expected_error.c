@@ -335,7 +335,7 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
         smr_mean_add(&e->across, expected[1], 1.0f);
         smr_mean_add(&e->along, expected[2], 1.0f);
         smr_mean_add(&e->on_visible, expected[0], (float)smr_vertex_visible(s, v));
-        if (e->n_invisible > 0u && !smr_image_shows(&s->forces.image, v))
+        if (SMR_HAS_IMAGE && e->n_invisible > 0u && !smr_image_shows(&s->forces.image, v))
             smr_mean_add(&e->hidden, expected[0], 1.0f);
     }
 }

@@ -276,7 +276,7 @@ void smr_measure_target(const smr *s, uint32_t structure, smr_evidence *e)
         measure_points(s, structure, e);
     else if (target != NULL)
         measure_surface(s, structure, e);
-    else if (s->forces.image.has_image)
+    else if (smr_image_on(&s->forces.image))
         measure_image(s, structure, e);
     else if (smr_follows_landmarks(s, structure))
         measure_landmarks(s, structure, e);
