@@ -7,7 +7,7 @@
 
 #define SMR_DOUBT_GOOD 1.0f   /* a good result has less doubt */
 #define SMR_DOUBT_FAILED 5.0f /* a failed result has more */
-#define SMR_DOUBT_ALONE 2.0f  /* doubt by a coverage below a half alone */
+#define SMR_DOUBT_ALONE 2.0f  /* most doubt by low coverage alone */
 #define SMR_DOUBT_MOST 10.0f  /* most doubt by one measure */
 #define SMR_DOUBT_REASON 0.5f /* without a measure beyond its limit: share of the largest doubt that is a reason */
 #define SMR_MET_SHARE 0.98f   /* visible, covered and agreeing shares above which model and target meet both ways */
@@ -183,11 +183,13 @@ void smr_judge(smr_verdict *v, float edge_mm, int whole, float strays)
         doubt[k] = doubt_of(k, doubt[k], met);
         sum += doubt[k];
     }
-    /* a whole model may be a part of a larger target: then low coverage alone gives no doubt, or does not fail */
-    if (sum - doubt[UNCOVERED] < SMR_DOUBT_GOOD) {
-        const float alone = doubt[UNCOVERED] < SMR_DOUBT_FAILED ? 0.0f : SMR_DOUBT_ALONE;
-        sum += alone - doubt[UNCOVERED];
-        doubt[UNCOVERED] = alone;
+    /* low coverage alone does not fail, and gives no doubt for a whole model, which may be a part of a larger target */
+    const uint32_t low = doubt[UNCOVERED] > 0.0f ? UNCOVERED : UNCOVERED_PART;
+    if (sum - doubt[low] < SMR_DOUBT_GOOD) {
+        const int part = low == UNCOVERED && doubt[low] < SMR_DOUBT_FAILED;
+        const float alone = part ? 0.0f : smr_min(doubt[low], SMR_DOUBT_ALONE);
+        sum += alone - doubt[low];
+        doubt[low] = alone;
     }
     v->probability = probability_of(sum);
     v->level = v->probability > SMR_PROBABILITY_GOOD      ? SMR_VERDICT_GOOD

@@ -46,7 +46,7 @@ static void check_shape(const host_volume *grid, unsigned s, double least_dice)
     print_message(
         "%-10s %4.2f %4.2f %4.2f mm  volume %+.3f %%  normals %5.2f deg  Dice %.5f, at 1 mm %.5f  folds %u %u\n",
         shapes[s].name, (double)grid->spacing[0], (double)grid->spacing[1], (double)grid->spacing[2],
-        100.0 * (volume / surface[0].voxel_volume - 1.0), normals, same, other, (unsigned)absolute,
+        100.0 * (volume / surface[0].voxel_volume - 1.0), normals, same, other, (unsigned)folds.all,
         (unsigned)surface[0].folds);
     assert_true(is_closed(mesh));
     assert_true(fabs(volume / surface[0].voxel_volume - 1.0) < 0.01);
@@ -54,7 +54,7 @@ static void check_shape(const host_volume *grid, unsigned s, double least_dice)
     assert_true(normals <= 12.0);
     assert_true(same >= 1.0);
     assert_true(other >= least_dice);
-    assert_int_equal(absolute, 0);
+    assert_int_equal(folds.all, 0);
     host_label_surfaces_free(surface, map.n_labels);
     host_label_map_free(&map);
 }

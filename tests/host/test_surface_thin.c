@@ -100,11 +100,11 @@ static double check_thin(unsigned s, const host_label_surface *whole, uint32_t m
     print_message("%-9s %5u -> %4u triangles  volume %+.5f %%  area %+.2f %%  farthest %.3f, back %.3f mm  folds %u\n",
                   thinned[s].name, whole->mesh.n_triangles, thin->mesh.n_triangles,
                   100.0 * (thin->volume / whole->volume - 1.0), 100.0 * (thin->area / whole->area - 1.0), there, back,
-                  (unsigned)absolute);
+                  (unsigned)folds.all);
     assert_true(thin->mesh.n_triangles <= most && thin->mesh.n_triangles + 2u >= most);
     assert_true(is_closed(&thin->mesh));
     assert_true(fabs(thin->volume / whole->volume - 1.0) < 1e-4);
-    assert_int_equal(absolute, 0);
+    assert_int_equal(folds.all, 0);
     assert_int_equal(thin->folds, 0);
     host_label_surfaces_free(thin, 1);
     return fmax(there, back);

@@ -56,7 +56,8 @@ static void begin(float radius)
     w.goals.visibility = w.goals.visibility_next = w.seen;
     w.goals.partial = 1;
     w.overlay.sum = w.memory;
-    smr_occluded_field_wire_image(&w.field, NULL, &none, &none);
+    w.field.found = NULL;
+    w.field.has_image = w.field.n_invisible = &none;
     for (uint32_t i = 0; i < N; i++) {
         float at[3];
         oracle_within_box(&r, 0, 100, at);
