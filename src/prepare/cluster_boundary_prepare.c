@@ -18,8 +18,7 @@ static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
     return 0;
 }
 
-/* Writes the pair a, b if its weight differs from the lists, and counts pairs that the lists do not hold. half: half
- * the boundary's width, mm. */
+/* Writes the pair a, b if its weight differs from the lists'; counts pairs not in the lists. half: half width, mm. */
 static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
 {
     const smr_vec d = smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b));

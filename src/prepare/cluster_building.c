@@ -27,10 +27,17 @@ static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last
 
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
 {
+    const float at[3] = {p.x, p.y, p.z};
     uint32_t near = 0, inner = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        float near2, far2;
-        smr_box_near_far(node, k, p, &near2, &far2);
+        float near2 = 0.0f, far2 = 0.0f; /* squared distances to the box' nearest and farthest point, mm^2 */
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
+            const float out = smr_positive(below) + smr_positive(above); /* at most one is positive */
+            const float far = smr_positive(below - above) - below;
+            near2 += out * out;
+            far2 += far * far;
+        }
         near |= near2 <= outside2 ? smr_child_bit[k] : 0u;
         inner |= far2 <= inside2 ? smr_child_bit[k] : 0u;
     }
@@ -74,16 +81,15 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
             continue;
         }
         const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
-        uint32_t reaching = 0;
-        for (uint32_t inner = smr_box_kinds(node, centre, inside, outside, &reaching); inner != 0u;
-             inner &= inner - 1u) {
-            const uint32_t child = at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(inner);
+        const uint32_t base = at.index * SMR_TREE_WIDTH;
+        uint32_t reaching, inner = smr_box_kinds(node, centre, inside, outside, &reaching);
+        for (; inner != 0u; inner &= inner - 1u) {
+            const uint32_t child = base + (uint32_t)__builtin_ctz(inner);
             const uint64_t last = (uint64_t)(child + 1u) << (3u * at.level);
             set_run(row, p->words, child << (3u * at.level), last < p->n ? (uint32_t)last : p->n);
         }
         for (; reaching != 0u; reaching &= reaching - 1u)
-            stack[top++] =
-                (smr_visit){0.0f, at.level - 1u, at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(reaching)};
+            stack[top++] = (smr_visit){0.0f, at.level - 1u, base + (uint32_t)__builtin_ctz(reaching)};
     }
 }
 
@@ -148,13 +154,12 @@ static void geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
 {
-    for (uint32_t w = smr_row_first(row, p->words); p->separate && w < smr_row_last(row, p->words); w++) {
+    for (uint32_t w = smr_row_first(row, p->words); p->separate && w < smr_row_last(row, p->words); w++)
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             uint32_t bit = (uint32_t)__builtin_ctzll(rest);
             if (smr_kept_apart(p, v, w * 64u + bit))
                 row[w] &= ~((uint64_t)1 << bit);
         }
-    }
 }
 
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
@@ -236,8 +241,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
         const smr_visit at = stack[--top];
         if (too_far(&best, at.d2))
             continue;
-        const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
-        (void)smr_box_distances(node, centre, FLT_MAX, d2);
+        (void)smr_box_distances(&p->points.node[p->points.level[at.level] + at.index], centre, FLT_MAX, d2);
         for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
             /* the child that holds v is pushed last and opened first: small distances are found early */
             const uint32_t child =

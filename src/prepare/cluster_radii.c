@@ -14,8 +14,7 @@
 #define SMR_MEMBERS_MAX 1500u /* largest mean |zeta|: more makes iterations slow without deforming better */
 #define SMR_PROBES 64u        /* number of clusters over which the mean |zeta| is taken */
 
-/* Returns the mean |zeta| at this radius over SMR_PROBES vertices, evenly spread over the caller's numbering, so that
- * the mean does not depend on the model's pose. */
+/* Returns the mean |zeta| at this radius over SMR_PROBES vertices, spread over the caller's numbers, so in any pose. */
 static uint32_t mean_members(smr_plan *p, float radius)
 {
     uint64_t sum = 0;

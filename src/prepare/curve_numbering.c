@@ -3,16 +3,14 @@
  * Bounds: radix sorts of n vertices; box_tree_order.c for triangles.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
-#include "geometry/box_tree/box_tree.h"
 #include "prepare/prepare_plan.h"
 
 static smr_box whole_box(const smr_plan *p)
 {
-    smr_box box = smr_box_of(p->structures[0].mesh.xyz, p->structures[0].mesh.n_vertices);
-    for (uint32_t s = 1; s < p->n_structures; s++) {
-        smr_box b = smr_box_of(p->structures[s].mesh.xyz, p->structures[s].mesh.n_vertices);
-        box = (smr_box){smr_low(box.lo, b.lo), smr_high(box.hi, b.hi)};
-    }
+    smr_box box = smr_box_of(p->structures[0].mesh.xyz, 1);
+    for (uint32_t s = 0; s < p->n_structures; s++)
+        for (uint32_t i = 0; i < p->structures[s].mesh.n_vertices; i++)
+            smr_box_grow(&box, smr_get3(p->structures[s].mesh.xyz, i));
     return box;
 }
 
@@ -22,23 +20,20 @@ static void order_vertices(smr_plan *p)
     const smr_box box = whole_box(p);
     smr_store(p->centre, smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f)));
     uint32_t k = 0;
-    for (uint32_t s = 0; s < p->n_structures; s++) {
+    for (uint32_t s = 0; s < p->n_structures; s++)
         for (uint32_t i = 0; i < p->structures[s].mesh.n_vertices; i++, k++) {
             p->key[k] = smr_curve_key(box, smr_get3(p->structures[s].mesh.xyz, i));
             p->original[k] = k;
         }
-    }
     smr_curve_sort(p->key, p->original, p->tmp, p->n);
     for (uint32_t v = 0; v < p->n; v++)
         p->position[p->original[v]] = v;
     k = 0;
-    for (uint32_t s = 0; s < p->n_structures; s++) {
+    for (uint32_t s = 0; s < p->n_structures; s++)
         for (uint32_t i = 0; i < p->structures[s].mesh.n_vertices; i++, k++) {
-            const smr_vec at = smr_get3(p->structures[s].mesh.xyz, i);
-            smr_put3(p->xyz, p->position[k], smr_sub(at, smr_load(p->centre)));
+            smr_put3(p->xyz, p->position[k], smr_sub(smr_get3(p->structures[s].mesh.xyz, i), smr_load(p->centre)));
             p->owner[p->position[k]] = (uint16_t)s;
         }
-    }
 }
 
 /* Writes triangle_index and triangle. */

@@ -41,17 +41,15 @@ void smr_plan_dihedrals(smr_plan *p)
 {
     const uint32_t n = 3u * p->nt;
     uint32_t low, high;
-    for (uint32_t i = 0; i < n; i++) {
-        edge_of(p, i, &low, &high);
-        p->key[i] = high;
+    for (uint32_t i = 0; i < n; i++)
         p->item[i] = i;
+    for (uint32_t pass = 0; pass < 2u; pass++) { /* the sort is stable: the result is by low, then by high */
+        for (uint32_t i = 0; i < n; i++) {
+            edge_of(p, p->item[i], &low, &high);
+            p->key[i] = pass == 0u ? high : low;
+        }
+        smr_curve_sort(p->key, p->item, p->tmp, n);
     }
-    smr_curve_sort(p->key, p->item, p->tmp, n);
-    for (uint32_t i = 0; i < n; i++) {
-        edge_of(p, p->item[i], &low, &high);
-        p->key[i] = low;
-    }
-    smr_curve_sort(p->key, p->item, p->tmp, n); /* the sort is stable: by low, then by high */
     p->n_dihedrals = 0;
     for (uint32_t i = 0, next; i < n; i = next) {
         uint32_t low2 = 0, high2 = 0;

@@ -14,10 +14,8 @@ static void list_corners(smr_plan *p)
     memset(start, 0, ((size_t)p->n + 1u) * sizeof *start);
     for (size_t i = 0; i < 3u * (size_t)p->nt; i++)
         start[p->triangle[i]] += 2u;
-    for (uint32_t v = 0, sum = 0; v <= p->n; v++) {
-        sum += start[v];
-        start[v] = sum;
-    }
+    for (uint32_t v = 1; v <= p->n; v++)
+        start[v] += start[v - 1u];
     for (size_t i = 3u * (size_t)p->nt; i-- > 0u;) {
         const uint32_t *t = p->triangle + i / 3u * 3u;
         const uint32_t v = p->triangle[i], corner = (uint32_t)(i % 3u);
@@ -31,13 +29,12 @@ static void measure_edges(smr_plan *p)
 {
     float sum = 0.0f;
     p->edge_max = 0.0f;
-    for (uint32_t v = 0; v < p->n; v++) {
+    for (uint32_t v = 0; v < p->n; v++)
         for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++) {
             const float length = smr_length(smr_sub(smr_get3(p->xyz, v), smr_get3(p->xyz, p->neighbour[i])));
             sum += length;
             p->edge_max = smr_max(p->edge_max, length);
         }
-    }
     p->edge_mm = p->neighbour_start[p->n] > 0u ? sum / (float)p->neighbour_start[p->n] : 0.0f;
 }
 
@@ -62,23 +59,16 @@ void smr_plan_neighbours(smr_plan *p)
     measure_edges(p);
 }
 
-static void unit_masses(smr_plan *p)
-{
-    for (uint32_t v = 0; v < p->n; v++)
-        p->mass[v] = p->nt == 0u ? 1.0f : 1.0f / SMR_MASS_UNITS;
-    for (uint32_t i = 0; i < 3u * p->nt; i++)
-        p->mass[p->triangle[i]] = 1.0f;
-}
-
 void smr_plan_mass(smr_plan *p)
 {
+    const int by_area = p->config->mass == SMR_MASS_AREA && p->nt > 0u;
     float total = 0.0f;
-    if (p->config->mass != SMR_MASS_AREA || p->nt == 0u) {
-        unit_masses(p);
-        return;
-    }
     for (uint32_t v = 0; v < p->n; v++)
-        p->mass[v] = 0.0f;
+        p->mass[v] = by_area ? 0.0f : p->nt == 0u ? 1.0f : 1.0f / SMR_MASS_UNITS;
+    for (uint32_t i = 0; !by_area && i < 3u * p->nt; i++)
+        p->mass[p->triangle[i]] = 1.0f;
+    if (!by_area)
+        return;
     for (uint32_t k = 0; k < p->nt; k++) {
         const uint32_t *t = p->triangle + 3u * (size_t)k;
         const float third = smr_length(smr_corners_cross(p->xyz, t)) * (1.0f / 6.0f);

@@ -7,28 +7,20 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
                          uint32_t active_min)
 {
     const int ring = smr_holds_neighbours(p, radius) && p->edge_max > radius;
-    const uint32_t field[15] = {smr_float_bits(radius),
-                                smr_float_bits(ring ? p->edge_max : radius),
-                                p->separate,
-                                l->n_blocks,
-                                l->largest,
-                                l->smallest,
-                                smr_float_bits((float)l->n_members / (float)p->n),
-                                l->n_indexes,
-                                (uint32_t)l->at_blocks,
-                                (uint32_t)l->at_entries,
-                                (uint32_t)l->at_count,
-                                (uint32_t)l->at_indexes,
-                                active_min,
-                                (uint32_t)l->n_boundary,
-                                (uint32_t)l->at_boundary};
-    for (uint32_t i = 0; i < 15u; i++)
-        smr_put32(w, at + 4u * i, field[i]);
+    const float reach = ring ? p->edge_max : radius, mean = (float)l->n_members / (float)p->n;
+    const uint32_t sizes[] = {
+        smr_float_bits(radius), smr_float_bits(reach), p->separate, l->n_blocks, l->largest, l->smallest,
+        smr_float_bits(mean),   l->n_indexes};
+    const uint64_t others[] = {l->at_blocks, l->at_entries, l->at_count,   l->at_indexes,
+                               active_min,   l->n_boundary, l->at_boundary};
+    for (uint32_t i = 0; i < 8u; i++)
+        smr_put32(w, at + 4u * i, sizes[i]);
+    for (uint32_t i = 0; i < 7u; i++)
+        smr_put32(w, at + 32u + 4u * i, (uint32_t)others[i]);
 }
 
 /* Writes the lists of one radius. Blocks are parts of the curve with equally many vertices, to within one vertex. */
-static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t radius_index,
-                              uint32_t n_radii)
+static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t index, uint32_t n_radii)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
     const uint32_t n_blocks = forest ? smr_ceil_div(p->n, p->block_size) : 1u;
@@ -45,19 +37,19 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             if (p->failed)
                 return SMR_E_STATE;
             if (p->config->progress != NULL &&
-                p->config->progress(p->config->progress_ctx, radius_index * n_blocks + b, n_radii * n_blocks) != 0)
+                p->config->progress(p->config->progress_ctx, index * n_blocks + b, n_radii * n_blocks) != 0)
                 return SMR_E_ABORTED;
             if (w->used > UINT32_MAX)
                 return SMR_E_INPUT;
         }
         p->forest.nearest_kind = 1u + p->separate;
     } else {
-        SMR_TRY(smr_breadth_first(p, &l, radius, radius_index, n_radii));
+        SMR_TRY(smr_breadth_first(p, &l, radius, index, n_radii));
     }
     smr_list_block(&l); /* one more block record, which marks the end of the last block */
     l.n_blocks = n_blocks;
     smr_write_boundary(p, &l, radius);
-    write_radius(w, at, &l, p, radius, p->active_min[radius_index]);
+    write_radius(w, at, &l, p, radius, p->active_min[index]);
     return w->used > UINT32_MAX ? SMR_E_INPUT : SMR_OK;
 }
 

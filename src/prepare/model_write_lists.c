@@ -21,10 +21,8 @@ void smr_put32(smr_writer *w, size_t at, uint32_t value)
 size_t smr_put_section(smr_writer *w, size_t bytes)
 {
     const size_t at = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
-    if (w->model != NULL && w->used < w->capacity) {
-        const size_t end = at + bytes < w->capacity ? at + bytes : w->capacity;
-        memset(w->model + w->used, 0, end - w->used);
-    }
+    if (w->model != NULL && w->used < w->capacity)
+        memset(w->model + w->used, 0, (at + bytes < w->capacity ? at + bytes : w->capacity) - w->used);
     w->used = at + bytes;
     return at;
 }

@@ -37,7 +37,7 @@ static void sort_seeds(smr_plan *p, float s_min, uint64_t *row)
 /* Appends the vertices of v's one-ring that are not in L yet to the queue, with the parent v. Returns the new tail. */
 static uint32_t append_ring(smr_plan *p, uint32_t v, const uint64_t *ring, uint32_t *parent, uint32_t tail)
 {
-    for (uint32_t w = smr_row_first(ring, p->words); w < smr_row_last(ring, p->words); w++) {
+    for (uint32_t w = smr_row_first(ring, p->words); w < smr_row_last(ring, p->words); w++)
         for (uint64_t rest = ring[w]; rest != 0u; rest &= rest - 1u) {
             const uint32_t next = w * 64u + (uint32_t)__builtin_ctzll(rest);
             if (p->entry[next] != UINT32_MAX)
@@ -46,7 +46,6 @@ static uint32_t append_ring(smr_plan *p, uint32_t v, const uint64_t *ring, uint3
             parent[next] = v;
             p->queue[tail++] = next;
         }
-    }
     return tail;
 }
 
@@ -54,16 +53,14 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
 {
     uint64_t *own = smr_plan_row(p, 0), *parent_row = smr_plan_row(p, 1), *ring = smr_plan_row(p, 2);
     const float s_min = one_ring_radius(p);
-    const uint32_t none = UINT32_MAX;
     uint32_t head = 0, tail = 0, seed = 0;
     uint32_t *parent = p->count; /* an element holds a vertex' parent until the entry is written, then |zeta| */
     sort_seeds(p, s_min, ring);
-    for (uint32_t v = 0; v < p->n; v++)
-        p->entry[v] = none;
+    memset(p->entry, 0xff, p->n * sizeof *p->entry); /* UINT32_MAX: the vertex is not in L yet */
     smr_list_block(l);
     while (head < p->n) {
         if (head == tail) { /* the next seed: a root, summed directly */
-            while (p->entry[p->item[seed]] != none)
+            while (p->entry[p->item[seed]] != UINT32_MAX)
                 seed++;
             const uint32_t v = p->item[seed];
             p->entry[v] = tail;

@@ -20,12 +20,11 @@ typedef struct block {
 #define SMR_EDGE_CHUNK 512u  /* edges of a task */
 
 /* Fills the rows and counts of the clusters of a chunk, and nearest[] unless it is known from the radius before. */
-static void fill_rows(void *arg, uint32_t task, uint32_t worker)
+static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const block *b = arg;
     smr_plan *p = b->p;
     const uint32_t from = b->first + task * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last);
-    (void)worker;
     for (uint32_t v = from; v < to; v++) {
         uint64_t *row = smr_plan_row(p, v - b->first);
         smr_cluster_row(p, v, b->radius, row);
@@ -40,12 +39,11 @@ static void fill_rows(void *arg, uint32_t task, uint32_t worker)
 }
 
 /* Writes the weight |zeta+| + |zeta-| of each candidate edge of a chunk as the edge's sort key. */
-static void weigh_edges(void *arg, uint32_t task, uint32_t worker)
+static void weigh_edges(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const block *b = arg;
     smr_plan *p = b->p;
     const uint32_t from = task * SMR_EDGE_CHUNK, to = smr_min_u32(from + SMR_EDGE_CHUNK, b->n_edges);
-    (void)worker;
     for (uint32_t e = from; e < to; e++) {
         p->key[e] = smr_row_difference_count(smr_plan_row(p, p->forest.edge_a[e]), smr_plan_row(p, p->forest.edge_b[e]),
                                              p->words);
@@ -60,11 +58,11 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     uint32_t n = 0;
     for (uint32_t v = first; v < last; v++) {
         uint32_t near[SMR_NEAREST + SMR_NEIGHBOURS_TRIED], k = 0;
-        for (const uint32_t *known = p->forest.nearest + SMR_NEAREST * (size_t)v;
-             k < SMR_NEAREST && known[k] != SMR_NONE; k++)
+        const uint32_t *const known = p->forest.nearest + SMR_NEAREST * (size_t)v, from = p->neighbour_start[v];
+        const uint32_t end = smr_min_u32(p->neighbour_start[v + 1u], from + SMR_NEIGHBOURS_TRIED);
+        for (; k < SMR_NEAREST && known[k] != SMR_NONE; k++)
             near[k] = known[k];
-        for (uint32_t i = p->neighbour_start[v], tried = 0;
-             i < p->neighbour_start[v + 1u] && tried < SMR_NEIGHBOURS_TRIED; i++, tried++)
+        for (uint32_t i = from; i < end; i++)
             if (p->neighbour[i] >= first && p->neighbour[i] < last)
                 near[k++] = p->neighbour[i];
         for (uint32_t i = 0; i < k; i++) {
@@ -84,8 +82,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     return unique;
 }
 
-/* Writes the edges of the minimum spanning tree over the block and the root, number `size`, to p->tmp; returns how
- * many. */
+/* Writes the edges of the minimum spanning tree over block and root (number `size`) to p->tmp. Returns their number. */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};
@@ -98,15 +95,14 @@ static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32
     }
     n_edges += size;
     smr_curve_sort(p->key, p->item, p->tmp, n_edges);
+    uint32_t kept = 0, *const parent = p->forest.parent;
     for (uint32_t v = 0; v <= size; v++)
-        p->forest.parent[v] = v;
-    uint32_t kept = 0;
+        parent[v] = v;
     for (uint32_t i = 0; i < n_edges && kept < size; i++) {
         const uint32_t e = p->item[i];
-        const uint32_t a = smr_set_root(p->forest.parent, p->forest.edge_a[e]),
-                       b = smr_set_root(p->forest.parent, p->forest.edge_b[e]);
+        const uint32_t a = smr_set_root(parent, p->forest.edge_a[e]), b = smr_set_root(parent, p->forest.edge_b[e]);
         if (a != b) {
-            p->forest.parent[a] = b;
+            parent[a] = b;
             p->tmp[kept++] = e;
         }
     }
@@ -121,10 +117,8 @@ static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
         p->forest.link_start[p->forest.edge_a[p->tmp[i]]]++;
         p->forest.link_start[p->forest.edge_b[p->tmp[i]]]++;
     }
-    for (uint32_t v = 0, sum = 0; v < size + 2u; v++) {
-        sum += p->forest.link_start[v];
-        p->forest.link_start[v] = sum;
-    }
+    for (uint32_t v = 1; v < size + 2u; v++)
+        p->forest.link_start[v] += p->forest.link_start[v - 1u];
     for (uint32_t i = kept; i-- > 0u;) {
         const uint32_t e = p->tmp[i];
         p->forest.link[--p->forest.link_start[p->forest.edge_a[e]]] = p->forest.edge_b[e];
@@ -139,8 +133,7 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
     p->failed |= !smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
     if (p->failed)
         return;
-    const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
-    link_up(p, size, kept);
+    link_up(p, size, spanning_tree(p, first, size, candidates(p, first, last)));
     smr_list_block(l);
     uint32_t head = 0, tail = 0; /* breadth first from the root, so that parents come before their children */
     for (uint32_t i = p->forest.link_start[size]; i < p->forest.link_start[size + 1u]; i++) {

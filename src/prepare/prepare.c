@@ -1,8 +1,6 @@
 /* prepare.c: smr_prepare(), the paper's preprocessing (2.2), makes a model from surfaces. In order: numbering along the
- * curve, masses, dihedral edges, profiles, radii, priority list S and stored order, clusters and order L of each
- * radius.
+ * curve, masses, dihedral edges, profiles, radii, priority list S, stored order; for each radius clusters and order L.
  * SPDX-License-Identifier: MIT */
-#include "base/arena.h"
 #include "base/settings.h"
 #include "geometry/surface/mesh.h"
 #include "image/intensity_profile.h"
@@ -70,18 +68,16 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
         p->port = *config->port;
     p->n_structures = n;
     for (uint32_t i = 0; i < n; i++) {
-        const smr_mesh *mesh = &structures[i].mesh;
-        if (mesh->n_vertices == 0u || mesh->n_vertices > SMR_VERTICES_MAX - p->n ||
-            mesh->n_triangles > SMR_TRIANGLES_MAX - p->nt)
+        const uint32_t nv = structures[i].mesh.n_vertices, nt = structures[i].mesh.n_triangles;
+        if (nv == 0u || nv > SMR_VERTICES_MAX - p->n || nt > SMR_TRIANGLES_MAX - p->nt)
             return SMR_E_INPUT;
-        p->n += mesh->n_vertices;
-        p->nt += mesh->n_triangles;
+        p->n += nv;
+        p->nt += nt;
     }
     p->words = smr_ceil_div(p->n, 64u);
     const size_t affordable = SMR_ROW_BYTES_MAX / (p->words * sizeof(uint64_t));
-    uint32_t block = smr_min_u32(smr_max_u32(p->n / 8u, 256u), SMR_BLOCK_MAX);
-    block = (uint32_t)(affordable < block ? affordable : block);
-    block = smr_max_u32(block, SMR_BLOCK_MIN);
+    const uint32_t wanted = smr_min_u32(smr_max_u32(p->n / 8u, 256u), SMR_BLOCK_MAX);
+    const uint32_t block = smr_max_u32(affordable < wanted ? (uint32_t)affordable : wanted, SMR_BLOCK_MIN);
     p->block_size = smr_min_u32(config->block_vertices != 0u ? config->block_vertices : block, p->n);
     p->n_rows = smr_max_u32(p->block_size + 1u, 3u);
     return is_legal(config) ? SMR_OK : SMR_E_CONFIG;
@@ -142,19 +138,16 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
                              size_t *scratch_bytes)
 {
     smr_plan p;
+    smr_arena a = smr_arena_measure();
     if (scratch_bytes == NULL)
         return SMR_E_NULL;
-    const smr_status status = smr_plan_start(&p, structures, n_structures, config);
-    smr_arena a = smr_arena_measure();
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_plan_start(&p, structures, n_structures, config));
     smr_plan_layout(&a, &p);
     *scratch_bytes = a.used;
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* Returns the radius, mm, below which a cluster contains vertices of one structure only. Images show sliding structures
- * less clearly than surfaces, so only the finest image radius is separate. */
+/* Returns the radius, mm, below which clusters hold one structure; for images, which blur sliding, just the finest. */
 static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
 {
     float largest = 0.0f, finest = SMR_FAR;
@@ -211,10 +204,9 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
     smr_plan_layout(&a, &p);
-    for (uint32_t i = 0; i < p.n_rows; i++) {
-        memset(smr_plan_row(&p, i), 0, p.words * sizeof(uint64_t));
+    memset(p.row, 0, p.n_rows * (p.words + (size_t)1u) * sizeof *p.row);
+    for (uint32_t i = 0; i < p.n_rows; i++)
         smr_plan_row(&p, i)[p.words] = p.words;
-    }
     smr_plan_order(&p);
     smr_plan_neighbours(&p);
     smr_plan_mass(&p);

@@ -100,7 +100,6 @@ typedef struct smr_plan {
 
 /* Sets counts and sizes; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */
 smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config);
-
 /* Takes all arrays from the arena, or measures them. Needs smr_plan_start(). */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
@@ -110,23 +109,19 @@ void smr_plan_neighbours(smr_plan *p);     /* mesh_measures.c */
 void smr_plan_mass(smr_plan *p);           /* mesh_measures.c */
 void smr_plan_dihedrals(smr_plan *p);      /* fold_dihedrals_prepare.c */
 smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors as smr_grid_open() */
-
 /* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
-
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 
 /* Computes the priority list S for all radii, and active_min of each radius. separate_below: radius, mm, below which
  * clusters contain vertices of one structure only; empty 1: leaves S empty. Errors: E_ABORTED. */
 smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below, int empty);
-
 /* Computes the stored order from S; an empty S gives one level in the order of the curve. */
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
 
-/* A row of bits is a set of vertices: bit v stands for the vertex with the number v along the curve. Behind its `words`
- * 64-bit words a row has one more word: first | last << 32. Only the words first .. last-1 may hold bits, so small
- * clusters cost little in large models. */
+/* A row of bits is a set of vertices by their numbers along the curve. Behind its `words` 64-bit words a row has one
+ * more: first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in large models. */
 static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
 static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
 
@@ -160,21 +155,16 @@ uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t
 /* Row i of the plan's n_rows rows of bits. */
 static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * (p->words + 1u); }
 
-/* Returns 1 when clusters of this radius also hold the mesh neighbours of their vertex. */
-static inline int smr_holds_neighbours(const smr_plan *p, float radius)
-{
-    return p->config->ring && radius >= p->edge_mm;
-}
+/* Returns 1 when clusters of the radius `mm` also hold the mesh neighbours of their vertex. */
+static inline int smr_holds_neighbours(const smr_plan *p, float mm) { return p->config->ring && mm >= p->edge_mm; }
 
-/* Fill the row with the cluster zeta_v at this radius; and with all vertices within `radius` of v by Euclidean
- * distance, of all structures. */
+/* Fill the row with the cluster zeta_v at this radius; with the vertices of all structures in the ball around v. */
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
 /* Returns the set of a node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each.
  * *reaching: the set of the other boxes that reach into the ball of squared radius outside2. */
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching);
-
 /* Returns the set of a leaf's vertices in the ball of squared radius r2, mm^2, around p, a bit each. */
 uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float r2);
 
@@ -203,10 +193,8 @@ typedef struct smr_writer {
 /* Write a little-endian number at offset `at`. */
 void smr_put16(smr_writer *w, size_t at, uint32_t value);
 void smr_put32(smr_writer *w, size_t at, uint32_t value);
-
 /* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns its offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
-
 /* Writes the whole model but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
 
@@ -223,20 +211,16 @@ typedef struct smr_list_writer {
     uint32_t largest, smallest;                                      /* |zeta| of the largest and smallest cluster */
 } smr_list_writer;
 
-/* Begins a block: part of the order L whose parents all lie within it. */
-void smr_list_block(smr_list_writer *l);
+void smr_list_block(smr_list_writer *l); /* begins a block: part of the order L whose parents all lie within it */
 
 /* Appends an entry of L with its zeta+ and zeta-. vertex: number along the curve; parent: entry number within the
  * block; own, parent_row: the rows of the two clusters, parent_row NULL for a root. */
 void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
                     const uint64_t *parent_row);
-
 /* Writes the boundary pairs of a radius behind its lists, and adds boundary vertices to the largest cluster's size. */
 void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
-
 /* Writes the clusters of the vertices first .. last-1 along the curve as one block: a minimum spanning forest. */
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
-
 /* Writes all clusters as one block in the paper's breadth-first order. Errors: E_ABORTED (progress callback). */
 smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t radius_index, uint32_t n_radii);
 

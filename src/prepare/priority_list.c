@@ -26,11 +26,9 @@ static int stop_requested(smr_plan *p)
 /* Adds `change` (modulo 2^32) to the count |zeta_j| of every vertex j in the row. */
 static void change_counts(smr_plan *p, const uint64_t *row, uint32_t change)
 {
-    uint32_t *count = p->count;
-    for (uint32_t w = smr_row_first(row, p->words), last = smr_row_last(row, p->words); w < last;
-         w++, count = p->count) {
+    for (uint32_t w = smr_row_first(row, p->words), last = smr_row_last(row, p->words); w < last; w++) {
         uint64_t rest = row[w];
-        count += 64u * (size_t)w;
+        uint32_t *const count = p->count + 64u * (size_t)w;
         for (uint32_t k = 0; rest == UINT64_MAX && k < 64u; k++) /* most words of large clusters have all bits set */
             count[k] += change;
         for (rest = rest == UINT64_MAX ? 0u : rest; rest != 0u; rest &= rest - 1u)
@@ -57,18 +55,16 @@ static smr_status count_remaining(smr_plan *p, float radius)
 static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
 {
     uint32_t first = SMR_REMAINS;
-    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
+    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++)
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             const uint32_t k = w * 64u + (uint32_t)__builtin_ctzll(rest);
             if (p->priority.place[k] != SMR_REMAINS && (first == SMR_REMAINS || p->original[k] < p->original[first]))
                 first = k;
         }
-    }
     return first;
 }
 
-/* Takes vertices off the priority list S where a cluster of this radius would keep fewer than SMR_KEPT active vertices:
- * the list so far is right for finer radii only. */
+/* Takes vertices off S where clusters of this radius would keep fewer than SMR_KEPT: S holds for finer radii only. */
 static smr_status restore(smr_plan *p, float radius)
 {
     for (uint32_t i = 0; p->priority.n_listed > 0u && i < p->n; i++) {
@@ -111,9 +107,8 @@ static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
 /* Replaces the witness of v by a mesh neighbour's witness whose cluster is smaller. Returns |zeta| of v's witness. */
 static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
 {
-    uint32_t tried = 0;
-    for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u] && tried < SMR_NEIGHBOURS_TRIED;
-         i++, tried++) {
+    const uint32_t first = p->neighbour_start[v];
+    for (uint32_t i = first; i < smr_min_u32(p->neighbour_start[v + 1u], first + SMR_NEIGHBOURS_TRIED); i++) {
         const uint32_t j = p->priority.witness[p->neighbour[i]];
         if (p->count[j] < p->count[p->priority.witness[v]] && surely_holds(p, v, j, radius))
             p->priority.witness[v] = j;
@@ -124,9 +119,9 @@ static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
 /* Computes m_v and its witness; row 0 then holds zeta_v. Returns m_v. */
 static uint32_t scan(smr_plan *p, uint32_t v, float radius)
 {
-    const uint64_t *row = smr_plan_row(p, 0);
+    uint64_t *const row = smr_plan_row(p, 0);
     uint32_t m = UINT32_MAX;
-    smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
+    smr_cluster_row(p, v, radius, row);
     for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
         uint32_t least = 0;
         for (uint32_t k = 0; row[w] == UINT64_MAX && k < 64u; k++)
@@ -208,8 +203,7 @@ static smr_status discard(smr_plan *p, float radius)
     return SMR_OK;
 }
 
-/* Closes the gaps that restore() left in S, and computes active_min of each radius. listed[r]: length of S, gaps
- * included, when radius r was complete. */
+/* Closes the gaps in S, and computes active_min of each radius. listed[r]: length of S after radius r, with gaps. */
 static void settle(smr_plan *p, uint32_t n_radii, const uint32_t listed[SMR_RADII_MAX])
 {
     uint32_t kept = 0;

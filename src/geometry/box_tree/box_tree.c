@@ -1,7 +1,6 @@
 /* box_tree.c: shape of the box tree over triangles, and refits: boxes and normals recomputed from new positions.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
-#include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/box_tree/triangle.h"
 
 uint32_t smr_tree_nodes(uint32_t n_triangles)
@@ -39,8 +38,7 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
         if (node != NULL && n < SMR_TREE_WIDTH)
             clear_node(node);
         for (uint32_t k = 0; k < n; k++) {
-            const uint32_t *t = f->triangle + 3u * (size_t)(base + k);
-            const smr_corner_values v = smr_corners_of(f->xyz, t);
+            const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)(base + k));
             float lo[3], hi[3];
             smr_put3(f->normal, base + k, smr_unit(smr_triangle_cross(v.a, v.b, v.c)));
             if (node == NULL)

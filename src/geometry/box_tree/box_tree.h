@@ -28,18 +28,14 @@ typedef struct smr_box_tree {
     uint32_t level[SMR_TREE_LEVELS]; /* index of each level's first node */
 } smr_box_tree;
 
-/* Returns the number of nodes of the tree over n_triangles. */
-uint32_t smr_tree_nodes(uint32_t n_triangles);
-
-/* Sets n_triangles, n_levels and level[]. */
-void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles);
+uint32_t smr_tree_nodes(uint32_t n_triangles);              /* number of nodes of the tree over n_triangles */
+void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles); /* sets n_triangles, n_levels and level[] */
 
 /* Returns the number of leaves: nodes of the lowest level. */
 static inline uint32_t smr_tree_leaves(const smr_box_tree *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
 
 /* Recomputes normals and, where f->node is not NULL, boxes of the leaves first .. last-1 from the positions. */
 void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last);
-
 /* Recomputes the boxes of the nodes first .. last-1 above the leaves. All lower nodes must be recomputed already. */
 void smr_tree_refit_nodes(const smr_box_tree *f, uint32_t first, uint32_t last);
 
@@ -52,8 +48,7 @@ static inline void smr_tree_refit_upper(const smr_box_tree *f)
 /* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
 
-/* Writes d2[k], the squared distance from p to child box k of a node, mm^2, 0 inside the box. Returns the set of
- * children with d2[k] <= bound, a bit each. */
+/* Writes the squared distance d2[k] from p to each child box, mm^2. Returns the children up to `bound`, a bit each. */
 static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
 {
     uint32_t near = 0;
@@ -67,22 +62,6 @@ static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float 
         near |= sum <= bound ? smr_child_bit[k] : 0u;
     }
     return near;
-}
-
-/* Writes the squared distances from p to the nearest and to the farthest point of child box k, mm^2. */
-static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p, float *near2, float *far2)
-{
-    const float at[3] = {p.x, p.y, p.z};
-    float nearest = 0.0f, farthest = 0.0f;
-    for (uint32_t axis = 0; axis < 3u; axis++) {
-        const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
-        const float out = smr_positive(below) + smr_positive(above); /* at most one is positive */
-        const float far = smr_positive(below - above) - below;
-        nearest += out * out;
-        farthest += far * far;
-    }
-    *near2 = nearest;
-    *far2 = farthest;
 }
 
 /* A node to be opened by a search. */
@@ -138,8 +117,7 @@ static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle
     return group == 0u || (mask->use != NULL && mask->use[group] == 0u);
 }
 
-/* Find the closest acceptable triangle within hit->d2. Without such a triangle *hit stays unchanged.
- * mask: NULL: no triangle is left out. */
+/* Find the closest acceptable triangle within hit->d2, or leave *hit as it is. mask NULL: no triangle is left out. */
 void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
 void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit);
 
@@ -162,12 +140,9 @@ typedef struct smr_near_list {
 /* Finds the closest acceptable triangle, and all triangles less than a tenth farther and nearer than list->cut2. Shares
  * fall to 0 at that limit, so that rounding does not decide between equally close triangles. */
 void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
-
 /* Returns the point, mm, of a triangle with these barycentric weights. */
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3]);
-
-/* Writes order[n_triangles], the mesh's triangle indexes in tree order. Scratch: centre [n_triangles][3],
- * key [n_triangles], tmp [2 n_triangles]. */
+/* Writes order[n], the mesh's triangle indexes in tree order. Scratch: centre [n][3], key [n], tmp [2 n]. */
 void smr_mesh_order(const smr_mesh *mesh, uint32_t *order, float *centre, uint32_t *key, uint32_t *tmp);
 
 /* A sort into tree order in steps: smr_mesh_centres(), smr_order_start(), then smr_order_step() until it returns 1. */
@@ -176,16 +151,15 @@ typedef struct smr_order {
     uint32_t *order, *key, *tmp, *count; /* [n] result; scratch: [n], [2 n], [SMR_SORT_BYTES] for n > SMR_SORT_SMALL */
     uint32_t n;
     uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* first and end of each waiting range; entries in use */
-    uint32_t first, size, stage,
-        at;             /* first entry and size of the range being sorted (size 0: none); stage; entries done */
-    float lo[3], hi[3]; /* box around the centres of the range */
+    uint32_t first, size; /* first entry and size of the range being sorted; size 0: none */
+    uint32_t stage, at;   /* stage of the range; entries done in this stage */
+    float lo[3], hi[3];   /* box around the centres of the range */
 } smr_order;
 
 /* Writes centre and order of the triangles first .. last-1, in the caller's order. */
 void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint32_t first, uint32_t last);
 void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
                      uint32_t *count);
-
 /* Continues for about `most` visits of triangles. Returns 1 when the order is complete. */
 int smr_order_step(smr_order *o, uint32_t most);
 

@@ -34,8 +34,7 @@ static int next_range(smr_order *o)
             continue;
         while (n / SMR_TREE_WIDTH >= node && n > node * SMR_TREE_WIDTH)
             node *= SMR_TREE_WIDTH;
-        const uint32_t children = smr_ceil_div(n, node);
-        const uint32_t middle = first + (children + 1u) / 2u * node;
+        const uint32_t middle = first + (smr_ceil_div(n, node) + 1u) / 2u * node; /* half of the nodes, rounded up */
         o->stack[o->top++] = middle;
         o->stack[o->top++] = last;
         o->stack[o->top++] = first;
@@ -47,18 +46,15 @@ static int next_range(smr_order *o)
     return 0;
 }
 
-static const float *centre_of(const smr_order *o, uint32_t i)
-{
-    return o->centre + 3u * (size_t)o->order[o->first + i];
-}
+static const float *point_of(const smr_order *o, uint32_t i) { return o->centre + 3u * (size_t)o->order[o->first + i]; }
 
 /* Extends the box around the range's centres by the centres from .. to-1. */
 static void grow_box(smr_order *o, uint32_t from, uint32_t to)
 {
     for (uint32_t a = 0; from == 0u && a < 3u; a++)
-        o->lo[a] = o->hi[a] = centre_of(o, 0)[a];
+        o->lo[a] = o->hi[a] = point_of(o, 0)[a];
     for (uint32_t i = from; i < to; i++) {
-        const smr_vec p = smr_load(centre_of(o, i));
+        const smr_vec p = smr_load(point_of(o, i));
         smr_store(o->lo, smr_low(smr_load(o->lo), p));
         smr_store(o->hi, smr_high(smr_load(o->hi), p));
     }
@@ -71,7 +67,7 @@ static void make_keys(smr_order *o, uint32_t from, uint32_t to)
     if (o->hi[2] - o->lo[2] > o->hi[axis] - o->lo[axis])
         axis = 2u;
     for (uint32_t i = from; i < to; i++)
-        o->key[i] = sortable(centre_of(o, i)[axis]);
+        o->key[i] = sortable(point_of(o, i)[axis]);
 }
 
 #define SMR_ORDER_COST 3u /* cost of sorting a small range at once, in visits of each of its triangles */

@@ -42,8 +42,7 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit,
                          float widen, smr_near_list *list)
 {
-    smr_vec n = smr_get3(f->normal, i);
-    if (smr_dot(n, q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
+    if (smr_dot(smr_get3(f->normal, i), q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
         return;
     const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
     float weight[3];

@@ -9,11 +9,8 @@
 smr_box smr_box_of(const float *xyz, uint32_t n)
 {
     smr_box b = {smr_load(xyz), smr_load(xyz)};
-    for (uint32_t i = 1; i < n; i++) {
-        smr_vec p = smr_get3(xyz, i);
-        b.lo = smr_low(b.lo, p);
-        b.hi = smr_high(b.hi, p);
-    }
+    for (uint32_t i = 1; i < n; i++)
+        smr_box_grow(&b, smr_get3(xyz, i));
     return b;
 }
 
@@ -31,7 +28,7 @@ uint32_t smr_curve_key(smr_box box, smr_vec p)
     uint32_t x[3] = {cell(p.x - box.lo.x, scale), cell(p.y - box.lo.y, scale), cell(p.z - box.lo.z, scale)};
     for (uint32_t q = 1u << (SMR_CURVE_BITS - 1u); q > 1u; q >>= 1) {
         uint32_t mask = q - 1u;
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; i++)
             if (x[i] & q) {
                 x[0] ^= mask;
             } else {
@@ -39,7 +36,6 @@ uint32_t smr_curve_key(smr_box box, smr_vec p)
                 x[0] ^= t;
                 x[i] ^= t;
             }
-        }
     }
     x[1] ^= x[0];
     x[2] ^= x[1];

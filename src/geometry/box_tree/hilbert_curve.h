@@ -10,9 +10,21 @@ typedef struct smr_box {
     smr_vec lo, hi;
 } smr_box;
 
-/* Returns the bounding box of n >= 1 points, xyz: [n][3] mm. */
-smr_box smr_box_of(const float *xyz, uint32_t n);
+/* Extends the box by the point p, mm. */
+static inline void smr_box_grow(smr_box *box, smr_vec p)
+{
+    box->lo = smr_low(box->lo, p);
+    box->hi = smr_high(box->hi, p);
+}
 
+/* Returns 1 when p lies in the box or at most `reach` mm from it along each axis. */
+static inline int smr_box_reaches(const smr_box *box, smr_vec p, float reach)
+{
+    return p.x >= box->lo.x - reach && p.y >= box->lo.y - reach && p.z >= box->lo.z - reach &&
+           p.x <= box->hi.x + reach && p.y <= box->hi.y + reach && p.z <= box->hi.z + reach;
+}
+
+smr_box smr_box_of(const float *xyz, uint32_t n); /* bounding box of n >= 1 points, xyz: [n][3] mm */
 /* Returns the position of p on a Hilbert curve of 10 bits per axis through the cube around box: 0 .. 2^30 - 1. */
 uint32_t smr_curve_key(smr_box box, smr_vec p);
 

@@ -5,8 +5,7 @@
 
 #include "base/vec.h"
 
-/* Returns the squared distance from p to the triangle a b c, mm^2; weight[3]: barycentric weights of the closest point.
- * Zero-area triangles count as line segments or points. */
+/* Returns the squared distance from p to a triangle, whose area may be 0, mm^2. weight: those of the closest point. */
 float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3]);
 
 /* Returns the vector along the triangle's normal whose length is twice the area, mm^2. */

@@ -1,6 +1,5 @@
 /* gaussian_process.h: Gaussian-process regression (Rasmussen and Williams 2006, chapter 2): the Cholesky factor L of
- * the covariance of n measured values, and triangular solves. The caller computes covariances, so a value may be a
- * position or a distance along a normal.
+ * the covariance of n measured values, and triangular solves. A value may be a position, or a distance along a normal.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_GAUSSIAN_PROCESS_H
 #define SMR_GAUSSIAN_PROCESS_H
@@ -18,15 +17,12 @@ static inline float smr_kernel(float d2, float per_length2) { return 1.0f / (1.0
 /* Computes entry j <= i of row i from the covariance of values i and j, noise included. The rows up to j and the
  * entries of row i before j must be set. least: smallest squared diagonal entry, above the rounding error. */
 void smr_factor_set(float *lower, uint32_t i, uint32_t j, float covariance, float least);
-
 /* Return component i of L^-1 y. row: row i of L; known: components 0 .. i-1; value: y_i. */
 float smr_solve_row(const float *row, uint32_t i, const float *known, float value);
 smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value); /* known: [i][3] */
 
 /* Replace y[n] by L^-1 y (forward) or L^-T y (back), and y[n][3] likewise. */
-void smr_solve_forward(float *lower, uint32_t n, float *y);
-void smr_solve_back(float *lower, uint32_t n, float *y);
-void smr_solve_forward3(float *lower, uint32_t n, float *y);
-void smr_solve_back3(float *lower, uint32_t n, float *y);
+typedef void smr_solver(float *lower, uint32_t n, float *y);
+smr_solver smr_solve_forward, smr_solve_back, smr_solve_forward3, smr_solve_back3;
 
 #endif

@@ -44,15 +44,10 @@ static inline void smr_products(const smr_vec a[3], const smr_vec b[3], float ou
  * s: in V^T A V (smr_congruence); out the eigenvalues in s[XX], s[YY], s[ZZ], unsorted.
  * v: in the start V, orthonormal, row-major; out the eigenvectors as columns. */
 void smr_jacobi(float s[6], float v[9], uint32_t sweeps);
-
-/* Writes V^T S V for a symmetric s. */
-void smr_congruence(const float s[6], const float v[9], float out[6]);
-
+void smr_congruence(const float s[6], const float v[9], float out[6]); /* writes V^T S V for a symmetric s */
 /* Finds the eigenvalues of s, largest first, and the eigenvectors as columns of a proper rotation v. */
 void smr_eigen(const float s[6], float value[3], float v[9]);
-
-/* Writes the pseudo-inverse of a positive semidefinite s. Directions whose eigenvalue is below `floor` times the
- * largest one get the inverse 0, so that a degenerate s has a defined answer. */
+/* Writes the pseudo-inverse of a positive semidefinite s: 0 along eigenvalues below `floor` times the largest one. */
 void smr_pseudo_inverse(const float s[6], float floor, float out[6]);
 
 #endif

@@ -9,19 +9,15 @@
 
 #define SMR_ANGLE_MAX 1.5f /* rad: longer rotation vectors are shortened to this length */
 
-/* Returns the cosine of an angle of 0 .. 180 degrees. */
-float smr_cos_degrees(float degrees);
-
+float smr_cos_degrees(float degrees); /* cosine of an angle of 0 .. 180 degrees */
 /* Returns w shortened to at most `most` rad; w may be any vector, NaN and infinity included. */
 smr_vec smr_turn_within(smr_vec w, float most);
-
 /* Writes R - I, row-major, for the rotation R about w by |w| rad. R - I keeps the digits of small rotations. */
 void smr_rodrigues(smr_vec w, float r_minus_i[9]);
 
-/* Writes R - I, row-major, for the rotation R nearest to the matrix A (polar decomposition A = R S).
- * v: in the eigenvectors of A^T A from this cluster's last call (warm start), a proper rotation; out the new ones.
- * For rank 2 and reflections R is the proper rotation that keeps the two larger directions, for rank 1 the shortest
- * rotation between the two directions, for rank 0 the identity. */
+/* Writes R - I, row-major, for the rotation R nearest to the matrix A (polar decomposition A = R S). v: in the
+ * eigenvectors of A^T A from this cluster's last call, a proper rotation; out the new ones. For rank 2 and reflections
+ * R keeps the two larger directions, for rank 1 it is the shortest rotation between both, for rank 0 the identity. */
 void smr_polar(const float a[9], float v[9], float r_minus_i[9]);
 
 #define SMR_HALF_TURN 3.1415927f /* rad: the longest rotation vector */
@@ -32,16 +28,13 @@ typedef struct smr_twist {
     smr_vec rate; /* mm: u, the velocity of the origin */
 } smr_twist;
 
-/* Returns the rotation vector, rad, of the rotation R, given as R - I, row-major. Angles are 0 .. half a turn. At half
- * a turn both directions of the axis are right; the same R always gives the same one. */
+/* Returns the rotation vector, rad, of R, given as R - I: at most half a turn, and there always the same one of two. */
 smr_vec smr_rotation_log(const float r_minus_i[9]);
 
 /* Returns the motion that turns by the vector `turn` (rad, no longer than SMR_HALF_TURN) about the point `centre` and
  * then shifts by `shift`, mm. The rate is at most |turn| |centre| + 1.571 |shift|. */
 smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift);
-
-/* Returns the displacement of the point p, mm, by the motion, and turns *normal (unit, or 0). A turn longer than
- * SMR_HALF_TURN is shortened to SMR_HALF_TURN. */
+/* Returns the displacement of p, mm, by the motion, its turn at most SMR_HALF_TURN, and turns *normal (unit, or 0). */
 smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal);
 
 #endif

@@ -2,8 +2,7 @@
  * al., "Meshless deformations based on shape matching", 2005).
  * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V lambda^-1/2.
  * That equals the paper's A (A^T A)^-1/2 and stays defined when A is singular.
- * Bounds: 4 sweeps, always. Accuracy against double precision in each entry: 2e-6 for condition numbers up to 10, 2e-5
- * to 30, 2e-4 to 100.
+ * Bounds: 4 sweeps. Accuracy against double precision: 2e-6 for condition numbers up to 10, 2e-5 to 30, 2e-4 to 100.
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"

@@ -144,8 +144,7 @@ smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift)
     return (smr_twist){turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
 }
 
-/* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2 is applied to the point's velocity, so that small
- * motions keep their digits, however far p is from the origin. */
+/* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2 acts on p's velocity: small motions keep digits. */
 smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal)
 {
     const smr_vec turn = smr_turn_within(twist.turn, SMR_HALF_TURN);

@@ -35,7 +35,6 @@ typedef struct smr_fit {
 
 /* Sets the origins, mm, and clears the sums. Origins near the points keep the digits of coordinates far from 0. */
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
-
 /* Adds the terms of one pair of points, mm, with weight w > 0 to the sums of f. */
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w);
 

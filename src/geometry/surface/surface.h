@@ -1,5 +1,4 @@
-/* surface.h: a target surface in the caller's memory, ready for closest-point search; signed distances to a surface; a
- * cloud of points, a target without triangles.
+/* surface.h: a target surface in the caller's memory, ready for closest-point search; signed distances; point clouds.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SURFACE_H
 #define SMR_SURFACE_H
@@ -74,21 +73,17 @@ static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
     return smr_is_cloud(s) ? SMR_BODY_SMALL : s->work.start[v] != SMR_NONE ? s->work.body[s->work.start[v]] : 0u;
 }
 
-/* Finds the closest acceptable triangle outside fragments and outside components whose `use` is 0. use:
- * [SMR_BODY_FIRST + n_bodies]; NULL: all components are searched. */
+/* Finds the closest acceptable triangle outside fragments and components with use[component] 0; use NULL: in all. */
 static inline void smr_surface_search(const smr_surface *s, const unsigned char *use, const smr_query *q, smr_hit *hit)
 {
     const smr_tree_mask mask = {s->work.body, use};
     smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit);
 }
 
-/* Stages of a build that find stray components, over the items first .. last-1. A refit runs the last stage, too. */
-void smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last);  /* vertices */
-void smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
-void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */
-void smr_bodies_number(smr_surface *s, uint32_t first, uint32_t last);     /* triangles */
-void smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last);    /* triangles */
-void smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last); /* vertices */
+/* A stage of a build, over the items first .. last-1. Some find stray components; a refit runs the last one, too. */
+typedef void smr_surface_stage(smr_surface *s, uint32_t first, uint32_t last);
+smr_surface_stage smr_fragments_forget, smr_fragments_join, smr_fragments_sum, smr_bodies_number, smr_fragments_mark;
+smr_surface_stage smr_fragments_release;
 
 /* Returns 1 when the point with these barycentric weights on the triangle lies on an edge of one triangle. */
 uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3]);
@@ -105,8 +100,7 @@ typedef struct smr_side {
  * normals. Returns 0, with *side unchanged, when there is no such triangle. */
 int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side);
 
-/* A cloud of points in the caller's memory. Points attract the model by position, normal and weight, as target vertices
- * do by position, normal and area. */
+/* A cloud of points in the caller's memory. Points attract the model as target vertices do, with weights as areas. */
 struct smr_points {
     uint32_t magic;      /* SMR_POINTS_MAGIC */
     uint32_t next;       /* slot of the next point, < surface.capacity */

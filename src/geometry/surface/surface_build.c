@@ -1,8 +1,7 @@
 /* surface_build.c: builds a target surface in the caller's memory (a copy in tree order, normals, areas, border edges,
  * box tree), and refits a surface to new positions. Both are lists of stages. A stage is a loop over vertices,
  * triangles or nodes that can stop after any item without a change of the result.
- * Bounds: SMR_SURFACE_ITEMS items between two readings of the clock. The search for an edge's triangles visits the
- * triangles around one of its vertices.
+ * Bounds: SMR_SURFACE_ITEMS items between two readings of the clock; for each edge the triangles at a vertex.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
@@ -52,8 +51,8 @@ static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
 {
     const uint32_t *const start = s->work.start;
     const int fewer = start[w + 1u] - start[w] < start[v + 1u] - start[v];
-    uint32_t count = 0;
     const uint32_t one = fewer ? w : v, other = fewer ? v : w;
+    uint32_t count = 0;
     for (uint32_t i = start[one]; i < start[one + 1u] && count < 2u; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[i];
         count += t[0] == other || t[1] == other || t[2] == other;
@@ -61,9 +60,7 @@ static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
     return count;
 }
 
-/* ---- The stages, each over the items first .. last-1 ---- */
-
-typedef void stage_run(smr_surface *s, uint32_t first, uint32_t last);
+/* ---- The stages ---- */
 
 static void check_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
@@ -73,8 +70,7 @@ static void check_vertices(smr_surface *s, uint32_t first, uint32_t last)
         s->work.refused |= !smr_within3(p, SMR_COORD_MAX);
         if (i == 0u)
             box->lo = box->hi = p;
-        box->lo = smr_low(box->lo, p);
-        box->hi = smr_high(box->hi, p);
+        smr_box_grow(box, p);
     }
 }
 
@@ -114,7 +110,7 @@ static void copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
         memcpy(s->triangle + 3u * (size_t)k, s->work.mesh.triangles + 3u * (size_t)s->original[k],
-               3u * sizeof(uint32_t));
+               3u * sizeof *s->triangle);
 }
 
 static void add_normals(smr_surface *s, uint32_t first, uint32_t last)
@@ -136,8 +132,7 @@ static void unit_normals(smr_surface *s, uint32_t first, uint32_t last)
 /* Four stages list the triangles around each vertex: counts, ends of ranges, then the ranges from the back. */
 static void clear_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t v = first; v <= last; v++)
-        s->work.start[v] = 0;
+    memset(s->work.start + first, 0, (last + 1u - first) * sizeof *s->work.start);
 }
 
 static void count_corners(smr_surface *s, uint32_t first, uint32_t last)
@@ -214,12 +209,9 @@ static void copy_cloud(smr_surface *s, uint32_t first, uint32_t last)
         memcpy(s->tree.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
 }
 
-static void refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
-{
-    smr_tree_refit_leaves(&s->tree, first, last);
-}
+static void fit_leaves(smr_surface *s, uint32_t first, uint32_t last) { smr_tree_refit_leaves(&s->tree, first, last); }
 
-static void refit_nodes(smr_surface *s, uint32_t first, uint32_t last)
+static void fit_nodes(smr_surface *s, uint32_t first, uint32_t last)
 {
     const uint32_t leaves = smr_tree_leaves(&s->tree);
     smr_tree_refit_nodes(&s->tree, leaves + first, leaves + last);
@@ -230,37 +222,24 @@ static void refit_nodes(smr_surface *s, uint32_t first, uint32_t last)
 enum { OF_VERTICES = 0, OF_TRIANGLES, OF_LEAVES, OF_NODES, OF_ONE };
 
 static const struct {
-    stage_run *run;
+    smr_surface_stage *run;
     uint16_t of;   /* OF_...: the items of the stage */
     uint16_t when; /* 0: builds; 1: builds and refits; 2: copies of clouds */
     uint32_t cost; /* cost of an item, in items */
 } stages[] = {
-    {index_points, OF_TRIANGLES, 2, 1},
-    {check_vertices, OF_VERTICES, 1, 1},
-    {check_triangles, OF_TRIANGLES, 0, 1},
-    {copy_vertices, OF_VERTICES, 1, 1},
-    {find_centres, OF_TRIANGLES, 0, 1},
-    {find_order, OF_ONE, 0, SMR_SURFACE_ITEMS},
-    {copy_triangles, OF_TRIANGLES, 0, 1},
-    {add_normals, OF_TRIANGLES, 1, 2},
-    {unit_normals, OF_VERTICES, 1, 1},
-    {clear_counts, OF_VERTICES, 0, 1},
-    {count_corners, OF_TRIANGLES, 0, 1},
-    {sum_counts, OF_VERTICES, 0, 1},
-    {list_triangles, OF_TRIANGLES, 0, 1},
-    {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
-    {clear_counts, OF_VERTICES, 0, 1},
-    {mark_borders, OF_TRIANGLES, 0, 1},
-    {find_corners, OF_TRIANGLES, 0, 1},
-    {smr_fragments_forget, OF_VERTICES, 0, 1},
-    {smr_fragments_join, OF_TRIANGLES, 0, 2},
-    {smr_fragments_sum, OF_TRIANGLES, 0, 1},
-    {smr_bodies_number, OF_TRIANGLES, 0, 1},
-    {smr_fragments_mark, OF_TRIANGLES, 0, 1},
-    {smr_fragments_release, OF_VERTICES, 1, 1},
-    {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
-    {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
-    {copy_cloud, OF_TRIANGLES, 2, 1},
+    {index_points, OF_TRIANGLES, 2, 1},         {check_vertices, OF_VERTICES, 1, 1},
+    {check_triangles, OF_TRIANGLES, 0, 1},      {copy_vertices, OF_VERTICES, 1, 1},
+    {find_centres, OF_TRIANGLES, 0, 1},         {find_order, OF_ONE, 0, SMR_SURFACE_ITEMS},
+    {copy_triangles, OF_TRIANGLES, 0, 1},       {add_normals, OF_TRIANGLES, 1, 2},
+    {unit_normals, OF_VERTICES, 1, 1},          {clear_counts, OF_VERTICES, 0, 1},
+    {count_corners, OF_TRIANGLES, 0, 1},        {sum_counts, OF_VERTICES, 0, 1},
+    {list_triangles, OF_TRIANGLES, 0, 1},       {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
+    {clear_counts, OF_VERTICES, 0, 1},          {mark_borders, OF_TRIANGLES, 0, 1},
+    {find_corners, OF_TRIANGLES, 0, 1},         {smr_fragments_forget, OF_VERTICES, 0, 1},
+    {smr_fragments_join, OF_TRIANGLES, 0, 2},   {smr_fragments_sum, OF_TRIANGLES, 0, 1},
+    {smr_bodies_number, OF_TRIANGLES, 0, 1},    {smr_fragments_mark, OF_TRIANGLES, 0, 1},
+    {smr_fragments_release, OF_VERTICES, 1, 1}, {fit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
+    {fit_nodes, OF_NODES, 1, SMR_SURFACE_NODE}, {copy_cloud, OF_TRIANGLES, 2, 1},
 };
 
 #define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))

@@ -42,8 +42,8 @@ static int beside(const smr_surface *s, const line *l, smr_vec shift, uint32_t i
 {
     const uint32_t lo = smr_min_u32(i, k), hi = smr_max_u32(i, k);
     const smr_vec a = smr_add(smr_get3(s->xyz, lo), shift), b = smr_add(smr_get3(s->xyz, hi), shift);
-    const float au = axis_of(a, l->u) - l->pu, av = axis_of(a, l->v) - l->pv, bu = axis_of(b, l->u) - l->pu,
-                bv = axis_of(b, l->v) - l->pv;
+    const float au = axis_of(a, l->u) - l->pu, av = axis_of(a, l->v) - l->pv;
+    const float bu = axis_of(b, l->u) - l->pu, bv = axis_of(b, l->v) - l->pv;
     return (au * bv - av * bu >= 0.0f) == (i == lo) ? 1 : -1;
 }
 
@@ -67,8 +67,7 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
     const smr_vec a = smr_add(at_origin.a, shift), b = smr_add(at_origin.b, shift), c = smr_add(at_origin.c, shift);
     const smr_vec n = smr_triangle_cross(a, b, c);
     const float along = axis_of(n, l->w);
-    const float low = smr_min(axis_of(a, l->w), smr_min(axis_of(b, l->w), axis_of(c, l->w))),
-                high = smr_max(axis_of(a, l->w), smr_max(axis_of(b, l->w), axis_of(c, l->w)));
+    const float low = axis_of(smr_low(a, smr_low(b, c)), l->w), high = axis_of(smr_high(a, smr_high(b, c)), l->w);
     const float rise = axis_of(n, l->u) * (axis_of(a, l->u) - l->pu) + axis_of(n, l->v) * (axis_of(a, l->v) - l->pv);
     const float at = smr_abs(along) > 0.0f ? axis_of(a, l->w) + rise / along : 0.5f * (low + high);
     add_crossing(l, smr_clamp(at, low, high), turn > 0 ? -weight : weight);
@@ -97,8 +96,7 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     }
 }
 
-/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0. Unlike the side of the closest
- * triangle, the winding number is right near folds, too. */
+/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0: this holds near folds, too. */
 static int is_inside(const smr_surface *s, smr_vec p)
 {
     line l = {1, 2, 0, p.y, p.z, 0, {{0, 0}}};
@@ -115,11 +113,7 @@ static float side_of(const sweep *s, smr_vec p, float most)
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     smr_side side;
     const float far = smr_max(most, SMR_DEPTH_MOST);
-    const smr_box box = s->around;
-    if (p.x < box.lo.x - most || p.y < box.lo.y - most || p.z < box.lo.z - most || p.x > box.hi.x + most ||
-        p.y > box.hi.y + most || p.z > box.hi.z + most)
-        return most;
-    if (!smr_signed_distance(&s->b->tree, s->b->normal, &q, far, &side))
+    if (!smr_box_reaches(&s->around, p, most) || !smr_signed_distance(&s->b->tree, s->b->normal, &q, far, &side))
         return most;
     return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
 }
@@ -143,11 +137,9 @@ static void sample_triangle(sweep *s, uint32_t k)
     const float third = smr_length(smr_triangle_cross(corner[0], corner[1], corner[2])) * (1.0f / 6.0f);
     for (uint32_t i = 0; i < 3u; i++) {
         const float at = side_of(s, smr_scale(smr_add(corner[i], middle), 0.5f), round);
-        const smr_vec p = smr_add(corner[i], s->shift);
         s->deepest = smr_max(s->deepest, -at);
         s->area += at <= s->within ? third : 0.0f;
-        s->near.lo = smr_low(s->near.lo, p);
-        s->near.hi = smr_high(s->near.hi, p);
+        smr_box_grow(&s->near, smr_add(corner[i], s->shift));
     }
 }
 
@@ -156,11 +148,8 @@ static const smr_box no_box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR,
 static smr_box used_box(const smr_surface *s)
 {
     smr_box box = no_box;
-    for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++) {
-        const smr_vec p = smr_get3(s->xyz, s->triangle[i]);
-        box.lo = smr_low(box.lo, p);
-        box.hi = smr_high(box.hi, p);
-    }
+    for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++)
+        smr_box_grow(&box, smr_get3(s->xyz, s->triangle[i]));
     return box;
 }
 
@@ -202,7 +191,7 @@ static float volume_of(const smr_surface *a, const smr_surface *b, smr_vec shift
     const float du = smr_max(axis_of(size, l.u) / (float)SMR_LINES, SMR_LINE_MM),
                 dv = smr_max(axis_of(size, l.v) / (float)SMR_LINES, SMR_LINE_MM);
     float sum = 0.0f;
-    for (uint32_t i = 0; (float)i * du < axis_of(size, l.u); i++) {
+    for (uint32_t i = 0; (float)i * du < axis_of(size, l.u); i++)
         for (uint32_t k = 0; (float)k * dv < axis_of(size, l.v); k++) {
             l.pu = axis_of(box.lo, l.u) + ((float)i + 0.5f) * du;
             l.pv = axis_of(box.lo, l.v) + ((float)k + 0.5f) * dv;
@@ -211,7 +200,6 @@ static float volume_of(const smr_surface *a, const smr_surface *b, smr_vec shift
             cross(b, &l, shift, 2);
             sum += length_inside(&l);
         }
-    }
     return sum * du * dv;
 }
 

@@ -2,8 +2,7 @@
  * follows from the normals of all triangles that share the closest point, weighted by their angles there (Baerentzen
  * and Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005). The direction is a mean over
  * triangles nearly as close, with weights that fall to 0. Near the surface the direction becomes the interpolated
- * vertex normal, so it is continuous across edges.
- * Bounds: those of smr_tree_near.
+ * vertex normal, so it is continuous across edges. Bounds: those of smr_tree_near.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"

@@ -12,8 +12,7 @@
 #define SMR_FRAGMENT_LEAST 512u /* a surface of fewer triangles has no fragments */
 #define SMR_FRAGMENT_SHARE 8u   /* fragments together are at most 1 / this of all triangles */
 
-/* [n_triangles] arrays of the union-find: the parent of each triangle; and of each component's root, the number of
- * triangles and the number of triangles with a border edge. */
+/* [n_triangles] union-find: each triangle's parent; each root's number of triangles, and of those with a border. */
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }
