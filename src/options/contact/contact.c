@@ -9,11 +9,9 @@
  * Projection: clusters average the displacements of single vertices, and a vertex inside a triangle does not push the
  * triangle's corners. At the last radius, before the search for folds, vertex and corners share the missing
  * displacement by mass and barycentric weights, which keeps linear and angular momentum.
- * Bounds: two searches of config.forces.node_budget tree nodes for each vertex and body whose box is near;
- * SMR_PROJECT_PASSES passes over the vertices.
+ * Bounds: two searches of config.forces.node_budget nodes for a vertex and near body; SMR_PROJECT_PASSES passes.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
-#include "geometry/surface/surface.h"
 
 #define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside than this when first searched is not pushed out */
 #define SMR_CONTACT_BAND 0.5f   /* mm beyond the contact thickness: contacts start there; at half of it they are full */
@@ -36,7 +34,7 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
         c->fixed = smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed, sizeof *c->fixed);
     if (!(shared->config.contact.share > 0.0f))
         return;
-    c->box = smr_slot_scratch(a, c->box, n_bodies(shared), 6u * sizeof(float));
+    c->box = smr_slot_scratch(a, c->box, n_bodies(shared), sizeof *c->box);
     c->closed = smr_slot_scratch(a, c->closed, shared->n_structures, 1);
     c->touch = smr_slot_scratch(a, c->touch, n, SMR_TOUCHES * sizeof *c->touch);
     c->triangle_touch = smr_slot_scratch(a, c->triangle_touch, shared->n_triangles, sizeof *c->triangle_touch);
@@ -92,20 +90,15 @@ static void place_box(smr_contact *c, uint32_t body)
 {
     smr_vec shift;
     const smr_box_tree *f = body_of(c, body, &shift);
-    const float off[3] = {shift.x, shift.y, shift.z};
-    float *const box = c->box + 6u * (size_t)body;
-    for (uint32_t axis = 0; axis < 3u; axis++) {
-        float lo = SMR_FAR, hi = -SMR_FAR;
-        for (uint32_t k = 0; f != NULL && f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
-            const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
-            if (!(root->lo[axis][k] < SMR_FAR))
-                continue;
-            lo = smr_min(lo, root->lo[axis][k]);
-            hi = smr_max(hi, root->hi[axis][k]);
-        }
-        box[axis] = lo + off[axis];
-        box[3u + axis] = hi + off[axis];
+    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    for (uint32_t k = 0; f != NULL && f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
+        const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
+        if (!(root->lo[0][k] < SMR_FAR))
+            continue; /* an empty child */
+        box.lo = smr_low(box.lo, smr_v(root->lo[0][k], root->lo[1][k], root->lo[2][k]));
+        box.hi = smr_high(box.hi, smr_v(root->hi[0][k], root->hi[1][k], root->hi[2][k]));
     }
+    c->box[body] = (smr_box){smr_add(box.lo, shift), smr_add(box.hi, shift)};
 }
 
 void smr_contact_begin(smr_contact *c)
@@ -138,13 +131,6 @@ void smr_contact_commit(smr_contact *c)
     for (uint32_t v = n; v < c->shared->n; v++)
         if (c->reach[v] != SMR_REACH_UNKNOWN)
             c->reach[v] = smr_max(c->reach[v] - 2.0f * *c->moved_mm, 2.0f * SMR_REACH_UNKNOWN);
-}
-
-/* Returns 1 when p lies within `reach` mm of a box. */
-static int in_reach(const float *box, smr_vec p, float reach)
-{
-    return p.x > box[0] - reach && p.y > box[1] - reach && p.z > box[2] - reach && p.x < box[3] + reach &&
-           p.y < box[4] + reach && p.z < box[5] + reach;
 }
 
 /* Returns a weight that rises from 0 at `from` to 1 at `to`, and stays at 0 and 1 beyond. */
@@ -210,7 +196,7 @@ static float look(const smr_contact *c, const probe *p, float reach, smr_touch *
     int inside = 0;
     for (uint32_t body = 0; body < n_bodies(c->shared); body++) {
         smr_side side;
-        if (body == p->owner || !in_reach(c->box + 6u * (size_t)body, p->at, reach))
+        if (body == p->owner || !smr_box_reaches(&c->box[body], p->at, reach))
             continue;
         const float counts = side_of(c, p, body, reach, &side);
         if (counts < 0.0f)
@@ -283,7 +269,7 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
     const smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
     const smr_vec own = displaced(ctx, v);
     const float mass = smr_mass(c->shared, v);
-    smr_vec displacement = smr_v(0, 0, 0);
+    smr_vec moved = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < SMR_TOUCHES && touch[i].body != SMR_NONE; i++) {
         const uint32_t *t = corners_of(c, &touch[i]);
         smr_vec other = smr_v(0, 0, 0);
@@ -293,12 +279,11 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
             heavy += touch[i].weight[k] * smr_mass(c->shared, t[k]);
         }
         const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* the heavier side moves less */
-        const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, displacement), other);
+        const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, moved), other);
         const float missing = smr_positive(c->shared->config.contact.gap_mm - touch[i].mm - smr_dot(out, apart));
-        displacement =
-            smr_add(displacement, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
+        moved = smr_add(moved, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
     }
-    return displacement;
+    return moved;
 }
 
 /* ---- projection ---- */
@@ -325,8 +310,7 @@ static float displacement_along(const smr_contact *c, const place *p, smr_vec ou
     float displacement = 0.0f;
     for (uint32_t k = 0; k < p->n; k++) {
         const uint32_t v = p->vertex[k];
-        const smr_vec step = smr_sub(smr_get3(c->shape->x_next, v), smr_get3(c->shape->x, v));
-        displacement += p->weight[k] * smr_dot(out, step);
+        displacement += p->weight[k] * smr_dot(out, smr_sub(smr_get3(c->shape->x_next, v), smr_get3(c->shape->x, v)));
         *sum += p->weight[k] * p->weight[k] / smr_mass(c->shared, v);
     }
     return displacement;

@@ -42,7 +42,7 @@ typedef struct smr_contact {
     const smr_shape *shape;
     const float *moved_mm;     /* largest displacement of the last iteration, mm */
     smr_fixed_surface *fixed;  /* [config.contact.n_fixed]; the arrays below are NULL when config.contact.share is 0 */
-    float *box;                /* [n_bodies][6] box of each body when the iteration began: low and high corner, mm */
+    smr_box *box;              /* [n_bodies] box of each body when the iteration began, mm */
     uint8_t *closed;           /* [n_structures] 1: the structure is closed and its triangles face outwards */
     smr_touch *touch;          /* [n][SMR_TOUCHES] contacts of each vertex in the current iteration */
     smr_touch *triangle_touch; /* [n_triangles] contacts of triangles' centres, in iterations with triangles_due 1 */

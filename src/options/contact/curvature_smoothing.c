@@ -39,8 +39,7 @@ static float height_of(const smr_smooth *s, uint32_t v)
     if (!(s->rings.weight[v] > 0.0f))
         return 0.0f;
     const smr_vec middle = smr_scale(smr_get3(s->rings.sum, v), 1.0f / s->rings.weight[v]);
-    const smr_vec up = smr_sub(middle, smr_get3(s->shape->x, v));
-    return smr_dot(smr_get3(s->shape->normal, v), up);
+    return smr_dot(smr_get3(s->shape->normal, v), smr_sub(middle, smr_get3(s->shape->x, v)));
 }
 
 void smr_smooth_rest(smr_smooth *s)
@@ -57,11 +56,9 @@ void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_
 
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement)
 {
-    const float share = s->shared->config.contact.smooth;
     if (!s->shape->on_surface[v])
         return displacement;
-    const float scale = smr_length(smr_column(&s->shape->rest_pose, 0));
-    const float off = height_of(s, v) - s->side * scale * s->height[v];
+    const float off = height_of(s, v) - s->side * smr_length(smr_column(&s->shape->rest_pose, 0)) * s->height[v];
     const smr_vec own = smr_scale(smr_get3(s->shape->normal, v), off);
-    return smr_add(displacement, smr_scale(smr_sub(own, displacement), share));
+    return smr_add(displacement, smr_scale(smr_sub(own, displacement), s->shared->config.contact.smooth));
 }

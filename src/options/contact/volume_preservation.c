@@ -49,8 +49,7 @@ void smr_volumes_start(smr_volumes *v)
         smr_kept_volume *one = &v->kept[i];
         if (!one->closed || !(one->thick_mm > 0.0f))
             continue;
-        const float present = smr_enclosed_of(v->shape, i, v->shape->x);
-        one->now = smr_clamp(present / one->rest_mm3, -SMR_NOW_MOST, SMR_NOW_MOST);
+        one->now = smr_clamp(smr_enclosed_of(v->shape, i, v->shape->x) / one->rest_mm3, -SMR_NOW_MOST, SMR_NOW_MOST);
     }
 }
 

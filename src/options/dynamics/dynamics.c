@@ -187,13 +187,11 @@ void smr_sweep_end(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr *s = arg;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
-        float *const x_next = smr_at3(s->shape.x_next, v);
+        float *const next = smr_at3(s->shape.x_next, v);
         const int drawn = s->forces.found_last[v] == SMR_FOUND_GOAL;
         const float share = drawn ? s->shared.config.forces.stiffness : 0.0f;
-        const smr_vec x = smr_get3(s->shape.x, v);
-        const smr_vec pull = smr_add(smr_scale(x, share), smr_get3(s->forces.force, v));
-        smr_store(x_next,
-                  smr_dynamics_next(s->shape.dynamics, v, smr_load(x_next), share, drawn ? pull : smr_v(0, 0, 0)));
+        const smr_vec pull = smr_add(smr_scale(smr_get3(s->shape.x, v), share), smr_get3(s->forces.force, v));
+        smr_store(next, smr_dynamics_next(s->shape.dynamics, v, smr_load(next), share, drawn ? pull : smr_v(0, 0, 0)));
     }
 }
 

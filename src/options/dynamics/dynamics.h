@@ -23,13 +23,11 @@ typedef struct smr_stored_energy {
     float elastic, goals;
 } smr_stored_energy;
 
-/* Energies of a group of structures in a time step, uJ. ELASTIC, GOALS: of springs at the end. BEFORE, AFTER: kinetic
- * energy at the start, and at the end before damping. SPIN: the part of AFTER in the group's rotation. WORK: work of
- * gravity and goals. PUSHED: number of moving pins. */
+/* Energies of a group in a time step, uJ. ELASTIC, GOALS: springs at the end. BEFORE, AFTER: kinetic, at the start, and
+ * undamped at the end. SPIN: part of AFTER in rotation. WORK: of gravity and goals. PUSHED: number of moving pins. */
 enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_SPIN, SMR_WORK, SMR_PUSHED, SMR_STEP_ENERGIES };
 
-/* Sums at the end of a time step. A group's sums are stored in its first structure. Groups without pinned vertices
- * also sum their rigid motion, since springs do not change their momentum. */
+/* Sums of a time step; a group's are in its first structure. Groups without pinned vertices also sum rigid motion. */
 typedef struct smr_step_sums {
     float energy[SMR_STEP_ENERGIES];
     uint32_t fixed;          /* 1: the group has pinned vertices, and its rigid motion is 0 */
@@ -128,8 +126,7 @@ static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
     return d->mass[v] > 0.0f ? d->weight[v] * d->members[v] * d->gram : 0.0f;
 }
 
-/* Steps: smr_sweep_begin sets the positions at which a sweep starts, before forces; smr_sweep_end moves vertices from
- * their average goals to the sweep's result. */
+/* Steps: set the positions at which a sweep starts, before forces; move vertices from average goals to its result. */
 smr_count_tasks smr_sweep_tasks;
 smr_run_task smr_sweep_begin, smr_sweep_end;
 

@@ -88,9 +88,8 @@ static void end_turns(smr_dynamics *d, uint32_t n_structures)
         smr_step_sums *const own = d->sums + k;
         float i[6];
         smr_pseudo_inverse(own->inertia, SMR_LINE, i);
-        const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
-        own->turn = smr_mul(full, own->turn);
-        own->spin = smr_mul(full, own->spin);
+        own->turn = smr_mul_symmetric(i, own->turn);
+        own->spin = smr_mul_symmetric(i, own->spin);
     }
 }
 
@@ -196,8 +195,7 @@ void smr_step_energy(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
  * - `bent`: kinetic energy must not exceed that of the step before plus the work plus `bent`, the reported elastic
  *   energy. It is approximate: growth beyond this limit is not reported, so that the reported sum never grows. Below 0
  *   it is work that was done without energy.
- * Excess is taken first from motion besides the rotation, then from the rotation. A step with new masses or moving pins
- * is not limited, since their energy is unknown. */
+ * Excess is taken from motion besides rotation, then from rotation. New masses or moving pins lift the limits. */
 static void find_shares(smr_dynamics *d, uint32_t lead)
 {
     smr_step_sums *const group = d->sums + lead;
