@@ -88,18 +88,17 @@ static inline void smr_add_product(float m[9], smr_vec v, smr_vec w)
 
 /* Finds the vertices near p (mm from the centre), nearest first, with their noise variances. */
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s);
-/* Factors the equations of the gathered vertices. */
-void smr_carry_factor(const smr_carry *c, smr_carry_site *s);
+void smr_carry_factor(const smr_carry *c, smr_carry_site *s); /* factors the equations of the gathered vertices */
 /* Solves the equations for the right-hand side b[n] in place; entry 0 stays. */
 void smr_carry_solve(const smr_carry_site *s, float *b);
 /* Computes the right-hand side of a point: side[1..n-1]. Returns g of the distance to the nearest vertex. */
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
-
 /* Fits the similarity T from the rest shape, mm from the centre, to the present positions. */
 smr_pose smr_carry_trend(const smr_carry *c, const float *now);
 /* Checks the arguments of smr_carry_apply(). Errors: E_NULL, E_STATE, E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-/* Runs a task for each chunk of n points. E_STATE when the port left tasks out or used an illegal worker number. */
-smr_status smr_carry_run(smr_carry *c, smr_task run, void *arg, uint32_t n);
+/* Calls each() for n points, with a worker's scratch. E_STATE when the port broke its contract. */
+typedef void smr_carry_each(const void *arg, smr_carry_site *s, uint32_t i);
+smr_status smr_carry_run(smr_carry *c, smr_carry_each *each, const void *arg, uint32_t n);
 
 #endif

@@ -80,11 +80,9 @@ void smr_carry_solve(const smr_carry_site *s, float *b)
     }
     for (uint32_t i = 1; i < s->n; i++)
         b[i] *= s->inverse[i];
-    for (uint32_t i = s->n; i-- > 2u;) {
-        const float *row = s->lower + i * SMR_CARRY_WIDTH;
+    for (uint32_t i = s->n; i-- > 2u;)
         for (uint32_t j = 1; j < i; j++)
-            b[j] -= row[j] * b[i];
-    }
+            b[j] -= s->lower[i * SMR_CARRY_WIDTH + j] * b[i];
 }
 
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s)

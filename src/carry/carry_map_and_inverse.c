@@ -1,7 +1,6 @@
 /* carry_map_and_inverse.c: the map and its inverse at points that are not bound. The map solves the equations for the
  * vertices' residuals, which also gives the gradient. The inverse takes damped Newton steps from near vertices.
- * Bounds: SMR_CARRY_STARTS starts of SMR_CARRY_ROUNDS steps, each halved at most SMR_CARRY_HALVINGS times; each
- * evaluation is one search and one factor.
+ * Bounds: SMR_CARRY_STARTS starts of SMR_CARRY_ROUNDS steps, each of SMR_CARRY_HALVINGS + 1 searches and factors.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
@@ -20,7 +19,7 @@ typedef struct job {
     const float *now;      /* [n_vertices][3] present positions in the caller's order, mm */
     smr_pose trend;        /* the similarity T */
     const float *xyz;      /* [n][3] points, mm */
-    uint32_t n, inverse;   /* number of points; 1: the inverse is computed */
+    uint32_t inverse;      /* 1: the inverse is computed */
     float *out;            /* [n][3] mapped points, mm */
     smr_carry_fact *facts; /* [n] facts on each point; NULL: not wanted */
 } job;
@@ -34,8 +33,7 @@ typedef struct value {
 /* The residual of a vertex after the trend T, mm. */
 static smr_vec residual(const job *j, uint32_t id)
 {
-    const smr_vec now = smr_get3(j->now, j->c->item[id]);
-    return smr_sub(now, smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
+    return smr_sub(smr_get3(j->now, j->c->item[id]), smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
 /* Computes s->weight: solves the equations for the vertices' residuals. Returns the nearest vertex' residual, mm. */
@@ -166,30 +164,25 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
     return best;
 }
 
-static void run_map(void *arg, uint32_t task, uint32_t worker)
+/* Maps point i, or computes its inverse, and writes the facts on it. */
+static void map(const void *arg, smr_carry_site *s, uint32_t i)
 {
     const job *j = arg;
-    smr_carry_site *s = &j->c->site[worker];
-    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->n, first + SMR_CARRY_CHUNK);
-    for (uint32_t i = first; i < end; i++) {
-        const smr_vec p = smr_get3(j->xyz, i);
-        const found f = j->inverse ? invert(j, s, p) : look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
-        smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
-        if (j->facts == NULL)
-            continue;
-        j->facts[i].miss_mm = j->inverse ? f.miss : 0.0f;
-        j->facts[i].volume = determinant(f.v.gradient);
-    }
+    const smr_vec p = smr_get3(j->xyz, i);
+    const found f = j->inverse ? invert(j, s, p) : look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
+    smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
+    if (j->facts == NULL)
+        return;
+    j->facts[i].miss_mm = j->inverse ? f.miss : 0.0f;
+    j->facts[i].volume = determinant(f.v.gradient);
 }
 
 smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, const float *xyz, uint32_t n, float *out,
                          smr_carry_fact *facts)
 {
-    const smr_status status = (xyz == NULL || out == NULL) && n > 0u ? SMR_E_NULL : smr_carry_check(carry, now);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY((xyz == NULL || out == NULL) && n > 0u ? SMR_E_NULL : smr_carry_check(carry, now));
     if (inverse > 1u || n > SMR_VERTICES_MAX || !smr_all_within(xyz, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
-    job j = {carry, now, smr_carry_trend(carry, now), xyz, n, inverse, out, facts};
-    return smr_carry_run(carry, run_map, &j, n);
+    const job j = {carry, now, smr_carry_trend(carry, now), xyz, inverse, out, facts};
+    return smr_carry_run(carry, map, &j, n);
 }

@@ -1,7 +1,6 @@
 /* carry_nearest_vertices.c: the vertices near a point, at four densities. A density is every k-th vertex along a
  * Hilbert curve, which spreads evenly over surfaces; the tree of boxes follows from the number of vertices alone.
- * Bounds: a search opens each node at most once, and its stack holds SMR_CARRY_STACK entries; each tested vertex is
- * inserted among at most SMR_CARRY_NEAR + 1.
+ * Bounds: a search opens each node at most once; each tested vertex is inserted among at most SMR_CARRY_NEAR + 1.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 
@@ -130,13 +129,10 @@ static void add(const smr_carry *c, smr_carry_site *s, uint32_t id, float noise_
 
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s)
 {
-    smr_carry_nearest f;
     s->n = 0;
     for (uint32_t k = 0; k < c->n_densities; k++) {
         const smr_carry_thin *t = &c->thin[k];
-        f.p = p;
-        f.n = 0;
-        f.most = t->take + 1u; /* the last vertex marks the end of the selection */
+        smr_carry_nearest f = {.p = p, .most = t->take + 1u}; /* the last vertex marks the end of the selection */
         search(t, c->rest, &f);
         for (uint32_t i = 0; i < smr_min_u32(f.n, t->take); i++)
             add(c, s, f.id[i], noise_variance(&f, i));

@@ -28,9 +28,26 @@ typedef struct motion {
     float *out;       /* [n_points][3] present positions of the points, mm */
 } motion;
 
-smr_status smr_carry_run(smr_carry *c, smr_task run, void *arg, uint32_t n)
+/* Points in chunks, each a task. */
+typedef struct chunks {
+    smr_carry *c;
+    smr_carry_each *each; /* called for each point */
+    const void *arg;      /* passed to each() */
+    uint32_t n;           /* number of points */
+} chunks;
+
+static void run_chunk(void *arg, uint32_t task, uint32_t worker)
 {
-    return smr_fork(&c->port, run, arg, smr_ceil_div(n, SMR_CARRY_CHUNK)) ? SMR_OK : SMR_E_STATE;
+    const chunks *a = arg;
+    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(a->n, first + SMR_CARRY_CHUNK);
+    for (uint32_t i = first; i < end; i++)
+        a->each(a->arg, &a->c->site[worker], i);
+}
+
+smr_status smr_carry_run(smr_carry *c, smr_carry_each *each, const void *arg, uint32_t n)
+{
+    chunks all = {c, each, arg, n};
+    return smr_fork(&c->port, run_chunk, &all, smr_ceil_div(n, SMR_CARRY_CHUNK)) ? SMR_OK : SMR_E_STATE;
 }
 
 static void layout(smr_arena *a, uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, binding *b, smr_carry *c)
@@ -95,9 +112,12 @@ static void number(const binding *b, const float *rest)
         smr_carry_boxes(&c->thin[k], c->rest);
 }
 
-/* Binds point i at p, mm from the centre: finds the vertices near it and their coefficients. */
-static void bind(smr_carry *c, smr_carry_site *s, smr_vec p, uint32_t i)
+/* Binds point i: finds the vertices near the point and their coefficients. */
+static void bind(const void *arg, smr_carry_site *s, uint32_t i)
 {
+    const binding *b = arg;
+    smr_carry *c = b->c;
+    const smr_vec p = smr_sub(smr_get3(b->points, i), c->centre);
     uint32_t *near = c->near + (size_t)SMR_CARRY_NEAR * i;
     float *coefficient = c->coefficient + (size_t)SMR_CARRY_NEAR * i, *left = c->rest_part + 4u * (size_t)i;
     smr_carry_gather(c, p, s);
@@ -121,14 +141,6 @@ static void bind(smr_carry *c, smr_carry_site *s, smr_vec p, uint32_t i)
     left[3] = open;
 }
 
-static void run_bind(void *arg, uint32_t task, uint32_t worker)
-{
-    const binding *b = arg;
-    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(b->c->n_points, first + SMR_CARRY_CHUNK);
-    for (uint32_t i = first; i < end; i++)
-        bind(b->c, &b->c->site[worker], smr_sub(smr_get3(b->points, i), b->c->centre), i);
-}
-
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry)
 {
@@ -140,11 +152,8 @@ smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *po
     smr_carry c = {0};
     if (rest == NULL || carry == NULL || (points == NULL && n_points > 0u))
         return SMR_E_NULL;
-    smr_status status = smr_arena_start(&a, memory, bytes);
-    if (status == SMR_OK)
-        status = smr_carry_bytes(n_vertices, n_points, used->n_workers, &needed);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_arena_start(&a, memory, bytes));
+    SMR_TRY(smr_carry_bytes(n_vertices, n_points, used->n_workers, &needed));
     if (!smr_all_within(rest, 3u * (size_t)n_vertices, SMR_COORD_MAX) ||
         !smr_all_within(points, 3u * (size_t)n_points, SMR_COORD_MAX))
         return SMR_E_INPUT;
@@ -156,9 +165,7 @@ smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *po
     c.port = *used;
     *b.c = c;
     number(&b, rest);
-    status = smr_carry_run(b.c, run_bind, &b, n_points);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_carry_run(b.c, bind, &b, n_points));
     b.c->magic = SMR_CARRY_MAGIC;
     b.c->self = b.c;
     *carry = b.c;
@@ -186,9 +193,10 @@ smr_status smr_carry_check(const smr_carry *c, const float *now)
     return smr_all_within(now, 3u * (size_t)c->n_vertices, SMR_COORD_MAX) ? SMR_OK : SMR_E_INPUT;
 }
 
-/* The present position of point i, mm: computed relative to the nearest vertex, which limits rounding. */
-static smr_vec apply(const motion *m, uint32_t i)
+/* Writes the present position of point i, mm: computed relative to the nearest vertex, which limits rounding. */
+static void apply(const void *arg, SMR_UNUSED smr_carry_site *s, uint32_t i)
 {
+    const motion *m = arg;
     const uint32_t *near = m->c->near + (size_t)SMR_CARRY_NEAR * i;
     const float *coefficient = m->c->coefficient + (size_t)SMR_CARRY_NEAR * i;
     const float *left = m->c->rest_part + 4u * (size_t)i;
@@ -198,23 +206,12 @@ static smr_vec apply(const motion *m, uint32_t i)
         sum = smr_add(sum, smr_scale(smr_sub(smr_get3(m->now, near[k]), from), coefficient[k]));
     const smr_vec open = smr_sub(smr_column(&m->trend, 3), from);
     sum = smr_add(sum, smr_add(smr_pose_turn(&m->trend, rest), smr_scale(open, left[3])));
-    return smr_add(from, sum);
-}
-
-static void run_apply(void *arg, uint32_t task, uint32_t worker)
-{
-    const motion *m = arg;
-    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(m->c->n_points, first + SMR_CARRY_CHUNK);
-    (void)worker;
-    for (uint32_t i = first; i < end; i++)
-        smr_put3(m->out, i, apply(m, i));
+    smr_put3(m->out, i, smr_add(from, sum));
 }
 
 smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz)
 {
-    const smr_status status = xyz == NULL ? SMR_E_NULL : smr_carry_check(carry, now);
-    if (status != SMR_OK)
-        return status;
-    motion m = {carry, now, smr_carry_trend(carry, now), xyz};
-    return smr_carry_run(carry, run_apply, &m, carry->n_points);
+    SMR_TRY(xyz == NULL ? SMR_E_NULL : smr_carry_check(carry, now));
+    const motion m = {carry, now, smr_carry_trend(carry, now), xyz};
+    return smr_carry_run(carry, apply, &m, carry->n_points);
 }

@@ -17,8 +17,7 @@
 /* Called once in this file: from two calls a compiler makes a vector of divisions, whose unused lanes trap on 0 / 0. */
 smr_pose smr_pose_invert(const smr_pose *p)
 {
-    const float s2 = p->m[0][0] * p->m[0][0] + p->m[1][0] * p->m[1][0] + p->m[2][0] * p->m[2][0];
-    const float inverse = 1.0f / s2;
+    const float inverse = 1.0f / smr_dot(smr_column(p, 0), smr_column(p, 0));
     smr_pose q;
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++)

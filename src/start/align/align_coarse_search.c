@@ -151,14 +151,14 @@ static void find_ends(const smr_coarse *c, uint32_t side, const smr_pose *pose, 
 }
 
 /* The centroid of a side's samples between two positions along a direction, mm. */
-static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float lo,
+static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec axis, float lo,
                               float hi)
 {
     smr_vec sum = smr_v(0, 0, 0);
     float n = 0.0f;
     for (uint32_t i = 0; i < SMR_COARSE; i++) {
         const smr_vec p = coarse_point(c, side, i, pose);
-        const float at = smr_dot(p, along);
+        const float at = smr_dot(p, axis);
         if (at < lo || at > hi)
             continue;
         sum = smr_add(sum, p);
@@ -191,23 +191,15 @@ void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, ui
                       smr_pose_list *found)
 {
     for (uint32_t k = 0; k < SMR_CUBE * SMR_TURNS; k++) {
-        smr_pose pose, best[2];
-        float cost[2] = {FLT_MAX, FLT_MAX};
+        smr_pose pose;
+        smr_pose_list best;
+        smr_list_start(&best, 2);
         set_rotation(a, k, scale, mirrored, &pose);
         for (uint32_t s = 0; s < n_shifts; s++) {
             set_shift(a, c, s, &pose);
-            const float now = coarse_cost(c, &pose);
-            const uint32_t place = now < cost[0] ? 0u : 1u;
-            if (!(now < cost[place]))
-                continue;
-            if (place == 0u) {
-                cost[1] = cost[0];
-                best[1] = best[0];
-            }
-            cost[place] = now;
-            best[place] = pose;
+            smr_list_insert(&best, &pose, coarse_cost(c, &pose));
         }
-        for (uint32_t i = 0; i < 2u && cost[i] < FLT_MAX; i++)
-            smr_list_insert(found, &best[i], cost[i]);
+        for (uint32_t i = 0; i < best.n; i++)
+            smr_list_insert(found, &best.pose[i], best.cost[i]);
     }
 }

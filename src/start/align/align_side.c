@@ -58,8 +58,7 @@ static int inside_out(const smr_surface *s, smr_vec centre)
     return volume < 0.0f;
 }
 
-/* Returns the vertex that `wanted` vertices precede, small components not counted. at: in and out, the last vertex
- * returned and the number of counted vertices before it. */
+/* Returns the vertex that `wanted` vertices outside fragments precede. at, in and out: this vertex; count so far. */
 static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
 {
     for (; at[1] < wanted || smr_surface_fragment(s, at[0]); at[0]++)

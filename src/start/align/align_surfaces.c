@@ -196,8 +196,7 @@ static void prepare(align_work *w, const smr_surface *model, const smr_surface *
     w->all = samples;
     smr_align_side_make(&a->side[SMR_MODEL], model, samples);
     smr_align_side_make(&a->side[SMR_TARGET], target, samples);
-    const float spread = smr_max(a->side[SMR_MODEL].spread, a->side[SMR_TARGET].spread);
-    const float far = SMR_FAR_SHARE * spread + 1.0e-6f;
+    const float far = SMR_FAR_SHARE * smr_max(a->side[SMR_MODEL].spread, a->side[SMR_TARGET].spread) + 1.0e-6f;
     a->far2 = far * far;
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
 }
@@ -246,9 +245,8 @@ static void compare_others(align_work *w, const float share[SMR_SIDES], smr_alig
     }
 }
 
-/* Fills the report on *pose; *pose becomes the given pose when the given pose is kept. */
-static void report_pose(align_work *w, int whole, int scaled, const smr_pose *given, smr_pose *pose,
-                        smr_align_report *r)
+/* Fills the report on *pose, which becomes the given pose where that is kept. both: 1: both surfaces are wholes. */
+static void report_pose(align_work *w, int both, int scaled, const smr_pose *given, smr_pose *pose, smr_align_report *r)
 {
     smr_aligner *a = &w->aligner;
     memset(r, 0, sizeof *r);
@@ -256,7 +254,7 @@ static void report_pose(align_work *w, int whole, int scaled, const smr_pose *gi
     const float limit = smr_pairs_limit(a);
     r->model_share = smr_pairs_share(a, SMR_MODEL, limit);
     r->target_share = smr_pairs_share(a, SMR_TARGET, limit);
-    const float share[SMR_SIDES] = {whole ? 1.0f : r->model_share, whole ? 1.0f : r->target_share};
+    const float share[SMR_SIDES] = {both ? 1.0f : r->model_share, both ? 1.0f : r->target_share};
     r->rms_mm = smr_pairs_rms(a, share);
     const float rms_given = rms_of(a, given, w->all, share);
     if (rms_given <= SMR_GIVEN_WORSE * r->rms_mm) {
@@ -289,9 +287,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     const smr_pose as_given = config->given == NULL ? identity : *config->given;
     if (!is_pose(&as_given))
         return SMR_E_INPUT;
-    const smr_status status = smr_arena_start(&arena, memory, bytes);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_arena_start(&arena, memory, bytes));
     memset(&parts, 0, sizeof parts);
     layout(&arena, config->samples, &work, &parts);
     if (arena.used > bytes)

@@ -204,14 +204,11 @@ static int fit_spline(job *j, smr_warp *w)
 static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
 {
     const float unit = 1.0f / w->per_mm;
-    smr_pose p = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; /* moves centroid to centroid, the origins */
-    if (kind != SMR_WARP_TRANSLATION) {
-        smr_fit fit;
-        smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-        for (uint32_t k = 0; k < j->n; k++)
-            smr_fit_add(&fit, smr_scale(smr_get3(w->centre, k), unit), smr_get3(j->goal, k), j->count[k]);
-        p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
-    }
+    smr_fit fit;
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); /* a translation moves centroid to centroid, the origins */
+    for (uint32_t k = 0; kind != SMR_WARP_TRANSLATION && k < j->n; k++)
+        smr_fit_add(&fit, smr_scale(smr_get3(w->centre, k), unit), smr_get3(j->goal, k), j->count[k]);
+    smr_pose p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
     for (uint32_t i = 0; i < 9u; i++)
         p.m[i / 3u][i % 3u] *= unit;
     w->affine = p;
@@ -227,9 +224,7 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     size_t needed;
     if (from == NULL || to == NULL || warp == NULL || kind == NULL)
         return SMR_E_NULL;
-    const smr_status status = smr_arena_start(&a, memory, bytes);
-    if (status != SMR_OK)
-        return status;
+    SMR_TRY(smr_arena_start(&a, memory, bytes));
     if (n == 0u || n > SMR_LANDMARKS_MAX || !(smoothing >= 0.0f && smoothing <= FLT_MAX) ||
         !smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
@@ -252,8 +247,7 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     return SMR_OK;
 }
 
-/* Moves the point p by the warp. The sum over kernels keeps rounding errors: neighbouring landmarks with different
- * displacements have large weights of opposite signs. */
+/* Moves the point p by the warp. The sum over kernels keeps rounding errors: large weights of near landmarks cancel. */
 static void warp_point(const smr_warp *w, float *p)
 {
     const smr_vec u = smr_scale(smr_sub(smr_load(p), w->from), w->per_mm);
