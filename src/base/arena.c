@@ -1,5 +1,4 @@
-/* arena.c: divides the caller's memory into slots aligned to SMR_ALIGN bytes, with red zones under the address
- * sanitiser.
+/* arena.c: divides the caller's memory into slots aligned to SMR_ALIGN; red zones follow under the address sanitiser.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 

@@ -22,7 +22,6 @@ smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity);
 /* Takes count * size bytes at the next multiple of SMR_ALIGN. Returns NULL when measuring or when the slot does not
  * fit; `used` grows in both cases. Under the address sanitiser a poisoned red zone follows each slot. */
 void *smr_arena_take(smr_arena *a, size_t count, size_t size);
-
 /* Removes the red zones, so that the caller can use the memory for something else. */
 void smr_arena_release(void *base, size_t capacity);
 

@@ -1,5 +1,4 @@
-/* base.h: included by every file of src/: assumptions about float, scalar helpers, loops over
- * parallel tasks, and the cookie of configurations.
+/* base.h: included by every file: assumptions about float, scalar helpers, parallel loops, cookies of configurations.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BASE_H
 #define SMR_BASE_H
@@ -95,8 +94,7 @@ static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32
     return 1;
 }
 
-/* Union-find: returns the representative of the set that holds i, and shortens the path to it. parent[i]: the element
- * above i in its set's tree, or i itself for the representative. */
+/* Union-find: returns the root of i's set and shortens the path to it. parent[i]: the element above i; i at a root. */
 static inline uint32_t smr_set_root(uint32_t *parent, uint32_t i)
 {
     while (parent[i] != i)

@@ -1,7 +1,6 @@
 /* save_fields.h: the slots of a registration, and which of their values are saved. A stage lists its slots once, in its
  * layout function: a slot is either scratch or has a range of legal values. The same lines measure and place slots
  * (arena.h), and count, save, check and restore values. Saved values are little-endian, without gaps, in layout order.
- * Bounds: one pass over each slot.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SAVE_FIELDS_H
 #define SMR_SAVE_FIELDS_H
@@ -43,21 +42,17 @@ typedef struct smr_keeper {
 /* Returns 1 while saved values are processed and no slots are placed. */
 static inline int smr_keeps(const smr_arena *a) { return a->keeper != NULL; }
 
-/* Place a slot of count elements, or process its values and return its present address, `now`. A scratch slot is not
- * saved: each iteration writes it before reading it. Legal values: floats within +-most; indexes below `below`, or
- * SMR_NONE; bytes up to `most`. */
+/* Place a slot of count elements, or process its values and return its address `now`. A scratch slot is not saved, but
+ * written before it is read. Legal: floats within +-most; indexes below `below`, or SMR_NONE; bytes up to `most`. */
 void *smr_slot_scratch(smr_arena *a, void *now, size_t count, size_t size);
 float *smr_slot_floats(smr_arena *a, float *now, size_t count, float most);
 uint32_t *smr_slot_indexes(smr_arena *a, uint32_t *now, size_t count, uint32_t below);
 uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most);
-
 /* Process saved fields of a struct, unless slots are placed. Legal are words up to `most` and floats least .. most. */
 void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most);
 void smr_keep_floats(smr_arena *a, float *field, size_t count, float least, float most);
 void smr_keep_long(smr_arena *a, uint64_t *field);
 void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* a similarity with entries within +-most */
-
-/* Marks the save as wrong unless `legal` is 1. */
-void smr_keep_require(smr_arena *a, int legal);
+void smr_keep_require(smr_arena *a, int legal);               /* marks the save as wrong unless `legal` is 1 */
 
 #endif

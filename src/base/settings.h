@@ -50,8 +50,7 @@ static inline int smr_ranges_legal(const void *config, const smr_range *range, s
 #define SMR_DEFAULT_VECTOR(v, value)
 #define SMR_DEFAULT_POINTER(v, value)
 
-/* SMR_ROW_DEFAULT and SMR_ROW_IMAGE set the row's setting in the configuration *c to a default; SMR_ROW_RANGE is its
- * smr_range. */
+/* Set the row's setting in the configuration *c to the default, or to that for images; SMR_ROW_RANGE: its smr_range. */
 #define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, image, text)                           \
     SMR_DEFAULT_##kind(c->path, value)
 #define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, image, text)                             \

@@ -6,20 +6,14 @@
 #define SMR_SETTING_INDEX SMR_SETTING_COUNT
 #define SMR_SETTING_VECTOR SMR_SETTING_NUMBER
 
+/* Parts of a row of smr_setting, in the order of the struct. */
+#define SMR_ROW_PLACE(type, kind, number, path)                                                                        \
+    SMR_SETTING_##kind, (number), (uint32_t)offsetof(type, path), (uint32_t)sizeof(((type *)NULL)->path)
+#define SMR_ROW_VALUES(low, high, ends, value, image)                                                                  \
+    SMR_ENDS_##ends == SMR_ENDS_OPEN, SMR_ENDS_##ends == SMR_ENDS_OR_ZERO, (double)(low), (double)(high),              \
+        (double)(value), (double)(image)
 #define SMR_ROW_TEXT(type, kind, number, path, name, unit, low, high, ends, value, image, text)                        \
-    {#name,                                                                                                            \
-     unit,                                                                                                             \
-     text,                                                                                                             \
-     SMR_SETTING_##kind,                                                                                               \
-     (number),                                                                                                         \
-     (uint32_t)offsetof(type, path),                                                                                   \
-     (uint32_t)sizeof(((type *)NULL)->path),                                                                           \
-     SMR_ENDS_##ends == SMR_ENDS_OPEN,                                                                                 \
-     SMR_ENDS_##ends == SMR_ENDS_OR_ZERO,                                                                              \
-     (double)(low),                                                                                                    \
-     (double)(high),                                                                                                   \
-     (double)(value),                                                                                                  \
-     (double)(image)},
+    {#name, unit, text, SMR_ROW_PLACE(type, kind, number, path), SMR_ROW_VALUES(low, high, ends, value, image)},
 #define SMR_ROW_TITLE(title) {title, "", "", SMR_SETTING_GROUP, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0},
 
 static const smr_setting config_settings[] = {

@@ -1,7 +1,6 @@
 /* gradient_search.c: maximal gradient search along the normal (paper 2.1): the steepest edge of the image near the
  * surface whose polarity and brightness agree with the edge of the reference profile, or the steepest edge of all. The
- * position of an edge is refined by a parabola through the neighbouring slopes.
- * Bounds: 2 * reach + 1 samples.
+ * position of an edge is refined by a parabola through the neighbouring slopes. Bounds: 2 * reach + 1 samples.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 
@@ -39,9 +38,8 @@ static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
     return own;
 }
 
-/* Returns the worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter. The worth
- * exceeds 1, which is full confidence, from about half as steep on, is greatest at SMR_STEEP and falls beyond: much
- * steeper edges belong to other tissue (bone next to a muscle in CT). */
+/* Returns the worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter: above 1, which
+ * is full confidence, from about half as steep on; most at SMR_STEEP. Much steeper edges belong to other tissue. */
 static float edge_worth(float steep, float lighter)
 {
     const float over = steep * (1.0f / SMR_STEEP);
@@ -49,9 +47,9 @@ static float edge_worth(float steep, float lighter)
 }
 
 /* Returns 1 when a sample and two samples on either side lie inside the image; in: address of the sample's flag. */
-static int five_inside(const unsigned char *in) { return in[-2] && in[-1] && in[0] && in[1] && in[2]; }
+static int five_inside(const uint8_t *in) { return in[-2] && in[-1] && in[0] && in[1] && in[2]; }
 
-smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
+smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const uint8_t *inside,
                           uint32_t m, uint32_t centre, uint32_t reach)
 {
     const float range = reference->range;
@@ -83,7 +81,7 @@ smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const flo
     return (smr_peak){(float)at + part - own.beyond, smr_min(best, 1.0f)};
 }
 
-smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach)
+smr_peak smr_steepest(const float *line, const uint8_t *inside, uint32_t m, uint32_t centre, uint32_t reach)
 {
     const uint32_t first = smr_max_u32(centre > reach ? centre - reach : 2u, 2u);
     float best = 0.0f;

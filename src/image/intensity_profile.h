@@ -23,8 +23,7 @@ typedef struct smr_profile {
 } smr_profile;
 
 /* Packs n intensities into value[n], low and range of an smr_profile. */
-void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
-                      float *range);
+void smr_profile_pack(const float *value, const uint8_t *inside, uint32_t n, uint8_t *packed, float *low, float *range);
 
 /* The similarity measure of profiles. */
 typedef struct smr_similarity {
@@ -36,17 +35,16 @@ typedef struct smr_similarity {
 
 /* Finds the offset 0 .. m - n at which the reference, of n samples, is most similar to line[m]. Returns a peak with
  * confidence 0 without a match. Correlation does not depend on the reference's low and range. */
-smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
+smr_peak smr_profile_match(const smr_profile *reference, const float *line, const uint8_t *inside, uint32_t m,
                            const smr_similarity *how);
 
 /* Finds the best edge within `reach` samples of line sample `centre`: an edge of the reference edge's polarity and
  * similar brightness, steep, and near. The reference edge is the reference's steepest edge near its sample `zero`, the
  * surface. The goal is as far from the best edge as `zero` is from the reference edge. Confidence 0: no edge. */
-smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
+smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const uint8_t *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
-
 /* Finds the steepest sample within `reach` samples of sample `centre` (paper 3). Confidence 1; 0 on a constant line. */
-smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
+smr_peak smr_steepest(const float *line, const uint8_t *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
 /* Returns the place, relative to the middle one, of the maximum of a parabola through three values, -0.5 .. 0.5. */
 static inline float smr_parabola_peak(float before, float at, float after)

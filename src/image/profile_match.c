@@ -2,8 +2,7 @@
  * which a line of image samples is most similar to the reference profile, between samples, and its confidence.
  * Similarity measures: normalised cross-correlation (paper 3; Lewis 1995, with running sums), sum of squared
  * differences, and concordance, 2 s_xy / (s_x^2 + s_y^2 + SMR_LEVEL (mean_x - mean_y)^2). Lin 1989 has SMR_LEVEL = 1; a
- * smaller value allows for different brightness of images of one kind.
- * Bounds: (m - n + 1) * n multiply-adds.
+ * smaller value allows for different brightness of images of one kind. Bounds: (m - n + 1) * n multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 
@@ -15,8 +14,7 @@
 #define SMR_DISTINCT_MIN 0.2f /* lowest factor of the confidence */
 #define SMR_FLAT 1.0e-30f     /* intensity: smaller ranges count as 0, so that 255 / range stays finite */
 
-void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
-                      float *range)
+void smr_profile_pack(const float *value, const uint8_t *inside, uint32_t n, uint8_t *packed, float *low, float *range)
 {
     float lo = value[0], hi = value[0];
     int all_inside = 1;
@@ -59,11 +57,10 @@ typedef struct windows {
     uint32_t missing[SMR_SIDE];
 } windows;
 
-/* Moves the running sums r from offset o - 1 to o + count - 1; writes to w the sums at offsets o .. o + count - 1. */
-static void slide(running *r, const float *line, const unsigned char *inside, uint32_t n, uint32_t o, uint32_t count,
-                  windows *w)
+/* Moves the running sums r from offset o - 1 to o + m - 1; writes to w the sums at offsets o .. o + m - 1. */
+static void slide(running *r, const float *line, const uint8_t *inside, uint32_t n, uint32_t o, uint32_t m, windows *w)
 {
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < m; i++) {
         if (o + i > 0u) {
             const float out = line[o + i - 1u], in = line[o + i + n - 1u];
             r->sum += in - out;
@@ -101,8 +98,7 @@ static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint3
 /* Writes dot[i], the sum over k of ref[k] line[k + i], added in the order of k. */
 static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
 {
-    for (size_t i = 0; i < count; i++)
-        dot[i] = 0.0f;
+    memset(dot, 0, count * sizeof *dot);
     for (size_t k = 0; k < n; k++)
         for (size_t i = 0; i < count; i++)
             dot[i] += ref[k] * line[k + i];
@@ -110,7 +106,7 @@ static void dots(const float *ref, uint32_t n, const float *line, uint32_t count
 
 /* Writes score[o] at every offset o. line and score have room for SMR_WIDTH - 1 more values. */
 static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line,
-                      const unsigned char *inside, uint32_t offsets, float *score)
+                      const uint8_t *inside, uint32_t offsets, float *score)
 {
     float dot[SMR_SIDE];
     running r = {0.0f, 0.0f, 0};
@@ -169,7 +165,7 @@ static smr_peak peak_of(const float *score, uint32_t offsets, uint32_t plain, fl
     return peak;
 }
 
-smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
+smr_peak smr_profile_match(const smr_profile *reference, const float *line, const uint8_t *inside, uint32_t m,
                            const smr_similarity *how)
 {
     const int level_counts = how->kind != SMR_SIMILARITY_NCC;

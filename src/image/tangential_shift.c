@@ -1,8 +1,7 @@
 /* tangential_shift.c: the displacement along the surface after which the image agrees better with the reference
  * profile; the paper's goals lie on the normal.
  * Method: one damped Gauss-Newton step (Lucas and Kanade 1981) on the squared differences between reference and image,
- * in two tangential directions u and v.
- * Bounds: four lines of at most SMR_PROFILE_MAX samples.
+ * in two tangential directions u and v. Bounds: four lines of at most SMR_PROFILE_MAX samples.
  * SPDX-License-Identifier: MIT */
 #include "image/tangential_shift.h"
 
@@ -27,7 +26,7 @@ static void subtract_mean(float *value, uint32_t n)
 static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
 {
     float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
-    unsigned char inside[SMR_PROFILE_MAX];
+    uint8_t inside[SMR_PROFILE_MAX];
     const uint32_t n = at->reference->n;
     const smr_vec away = smr_scale(side, at->reach_mm);
     if (smr_grid_line(image, smr_add(at->start, away), at->spacing, n, ahead, inside) != n ||

@@ -116,8 +116,7 @@ static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
     return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
 }
 
-/* Defines the function `name`, which interpolates a batch in voxels of `type`. Voxels are gathered as `number`, int32_t
- * for integers, so that the conversion to float is vectorised. */
+/* Defines a function that interpolates a batch in voxels of `type`, gathered as `number`, which compilers vectorise. */
 #define SMR_TRILINEAR(name, type, number)                                                                              \
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
@@ -171,8 +170,7 @@ static int masked(const uint8_t *lo, const strides *d)
 }
 
 /* Sets value and inside to 0 where the mask is 0 or the value is NaN or too large. Returns the number left inside. */
-static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value,
-                     unsigned char *inside)
+static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value, uint8_t *inside)
 {
     uint32_t left = n;
     memset(inside, 1, n);
@@ -186,8 +184,7 @@ static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint
     return left;
 }
 
-uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value,
-                       unsigned char *inside)
+uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value, uint8_t *inside)
 {
     const smr_volume *v = &grid->volume;
     const size_t row = v->size[0], slice = row * v->size[1];
@@ -214,16 +211,14 @@ void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32
 {
     const smr_volume *v = &grid->volume;
     const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
-    const unsigned char *voxels = v->voxels;
     const line l = line_of(grid, start, spacing);
-    const smr_vec first = smr_load(l.first), move = smr_load(l.move);
     const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
     for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
-        const smr_vec at = smr_add(first, smr_scale(move, (float)(int32_t)k));
+        const smr_vec at = smr_add(smr_load(l.first), smr_scale(smr_load(l.move), (float)(int32_t)k));
         if (!(at.x >= 0.0f && at.x < top.x && at.y >= 0.0f && at.y < top.y && at.z >= 0.0f && at.z < top.z))
             continue;
-        const unsigned char *cell =
-            voxels + bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y + slice * (size_t)(int32_t)at.z;
+        const size_t to = bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y + slice * (size_t)(int32_t)at.z;
+        const uint8_t *cell = (const uint8_t *)v->voxels + to;
         __builtin_prefetch(cell);
         __builtin_prefetch(cell + row);
         __builtin_prefetch(cell + slice);

@@ -1,6 +1,5 @@
 /* model.h: the bytes of a model (docs/SPEC.md has the same as a table), and views of them.
- * All numbers are stored little-endian, floats as their bits. Offsets count bytes from the model's start and are
- * multiples of SMR_ALIGN.
+ * Numbers are little-endian, floats their bits, offsets bytes from the model's start and multiples of SMR_ALIGN.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_MODEL_H
 #define SMR_MODEL_H
@@ -59,8 +58,7 @@ typedef struct smr_stored_structure {
     uint32_t first_vertex, n_vertices, first_triangle, n_triangles;
 } smr_stored_structure;
 
-/* An edge of exactly two triangles. Low 24 bits of bend: the second triangle. High 8 bits: code of the cosine between
- * the triangles' normals below which the edge counts as folded. */
+/* An edge of two triangles. bend: low 24 bits: second triangle; high 8: code of the cosine below which it is folded. */
 typedef struct smr_stored_dihedral {
     uint32_t first, bend;
 } smr_stored_dihedral;
@@ -89,8 +87,7 @@ typedef struct smr_stored_radius {
     uint32_t n_boundary, at_boundary; /* smr_stored_boundary [n_boundary] */
 } smr_stored_radius;
 
-/* Two vertices whose distance is the radius within a micrometre. Each has fractional weight in the other's cluster: the
- * weight 1 or 0 of the lists plus share / SMR_BOUNDARY_UNITS - 1/2. */
+/* Vertices a radius apart. Weight in each other's cluster: the lists' 1 or 0 plus share / SMR_BOUNDARY_UNITS - 1/2. */
 typedef struct smr_stored_boundary {
     uint32_t first, second; /* stored vertices */
     uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
@@ -98,14 +95,12 @@ typedef struct smr_stored_boundary {
 
 #define SMR_BOUNDARY_UNITS 256 /* smr_stored_boundary.share of weight 1 */
 
-/* A block of the order L: its first entry in at_entries and its first index in at_indexes. The vertices of a block form
- * one range along the Hilbert curve. */
+/* A block of the order L, one range of the curve: its first entry in at_entries, and its first index in at_indexes. */
 typedef struct smr_stored_block {
     uint32_t first, first_index;
 } smr_stored_block;
 
-/* An entry of L: a stored vertex; its parent, an earlier entry of the same block, counted from the block's first, or
- * the entry itself for a root; and the lengths of zeta+ and zeta-. */
+/* An entry of L: stored vertex; its parent's number in the block, its own for a root; lengths of zeta+ and zeta-. */
 typedef struct smr_entry16 {
     uint16_t vertex, parent, n_plus, n_minus;
 } smr_entry16;
@@ -131,7 +126,6 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
 /* 1: m is aligned and begins as a model does. Reads 16 bytes of what is no model; smr_model_open() checks all bytes. */
 int smr_model_known(const smr_model *m);
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
-int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters contain vertices of one structure only */
 
 /* Returns number i of a stored list of numbers that are `width` bytes wide, 2 or 4. */
 static inline uint32_t smr_index_at(const void *list, uint32_t width, size_t i)
@@ -151,8 +145,7 @@ static inline uint32_t smr_word_at(const smr_model *m, uint32_t at, uint32_t i)
     return smr_index_at(smr_at(m, at), 4, i);
 }
 
-/* Return the structure of stored vertex v; its position along the curve; the stored vertex of the caller's vertex
- * i; the caller's vertex of stored vertex v. */
+/* Return structure, curve position and caller's vertex of stored vertex v, and the stored vertex of the caller's i. */
 static inline uint32_t smr_model_owner(const smr_model *m, uint32_t v)
 {
     return smr_index_at(smr_at(m, m->at_owner), 2, v);
@@ -170,6 +163,9 @@ static inline const smr_stored_radius *smr_model_radius(const smr_model *m, uint
 {
     return (const smr_stored_radius *)smr_at(m, m->at_radii) + radius;
 }
+
+/* Returns 1 when clusters of the radius contain vertices of one structure only. */
+static inline int smr_model_separate(const smr_model *m, uint32_t i) { return smr_model_radius(m, i)->separate != 0u; }
 
 /* Returns the origin of rest positions, mm. */
 static inline smr_vec smr_model_centre(const smr_model *m)

@@ -64,8 +64,7 @@ static int check_numbering(const smr_model *m)
     return 1;
 }
 
-/* Checks that levels are ranges of the stored vertices, and that positions along the curve ascend in each level and are
- * 0 .. n - 1 in all levels together, each once. */
+/* Checks that levels are ranges of stored vertices in which curve positions ascend, 0 .. n - 1 in all, each once. */
 static int check_levels(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
@@ -183,16 +182,14 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     uint64_t used = 0;
     for (uint32_t i = first; i < last; i++) {
         const smr_entry32 e = entry_at(l, i);
-        if (e.vertex >= n || smr_model_along(m, e.vertex) < first || smr_model_along(m, e.vertex) >= last ||
-            e.parent > i - first)
+        if (e.vertex >= n || smr_model_along(m, e.vertex) - first >= last - first || e.parent > i - first)
             return 0;
         used += (uint64_t)e.n_plus + e.n_minus;
     }
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* Checks that the sections of a radius lie inside the model and follow each other, behind those of the radius before.
- * *end: in the end of the last section of the radius before; out that of this radius. */
+/* Checks that a radius' sections lie in the model, in order, behind *end, the radius before. Moves *end behind them. */
 static int check_sections_of(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -211,11 +208,10 @@ static int check_sections_of(const smr_model *m, const smr_stored_radius *r, uin
 static int check_boundary(const smr_model *m, const smr_stored_radius *r)
 {
     const uint32_t n = smr_le32(m->n_vertices);
-    const smr_stored_boundary *pair = smr_at(m, r->at_boundary);
+    const smr_stored_boundary *b = smr_at(m, r->at_boundary);
     int legal = 1;
     for (uint32_t i = 0; i < smr_le32(r->n_boundary); i++)
-        legal &= smr_le32(pair[i].first) < n && smr_le32(pair[i].second) < n &&
-                 smr_le32(pair[i].share) <= SMR_BOUNDARY_UNITS;
+        legal &= smr_le32(b[i].first) < n && smr_le32(b[i].second) < n && smr_le32(b[i].share) <= SMR_BOUNDARY_UNITS;
     return legal;
 }
 
@@ -246,8 +242,7 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* Checks that further sections follow each other. No kind is known yet: optional sections are skipped, required ones
- * are refused. The check of a new kind goes here. */
+/* Checks that further sections follow each other. No kind is known yet, so required sections (flags) are refused. */
 static int check_sections(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_sections);
@@ -297,9 +292,8 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
         return SMR_E_ALIGN;
     const smr_model *m = memory;
     if (bytes < sizeof *m || !check_header(m, bytes) || !check_sections(m) || !check_structures(m) ||
-        !check_vertices(m) || !check_triangle_indexes(m) || !check_dihedrals(m) || !check_profiles(m))
-        return SMR_E_MODEL;
-    if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
+        !check_vertices(m) || !check_triangle_indexes(m) || !check_dihedrals(m) || !check_profiles(m) ||
+        !section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
         return SMR_E_MODEL;
     uint64_t end = sizeof *m;
     for (uint32_t i = 0; i < smr_le32(m->n_radii); i++)

@@ -53,8 +53,6 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
     return SMR_OK;
 }
 
-int smr_model_separate(const smr_model *m, uint32_t radius) { return smr_model_radius(m, radius)->separate != 0u; }
-
 smr_status smr_model_structure(const smr_model *model, uint32_t structure, smr_structure_info *info)
 {
     if (model == NULL || info == NULL)

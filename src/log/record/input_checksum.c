@@ -68,17 +68,12 @@ uint64_t smr_surface_checksum(const smr_surface *s)
 }
 
 /* Returns voxel i, of 1, 2 or 4 bytes, as a number. */
-static uint32_t voxel(const unsigned char *voxels, uint32_t bytes, size_t i)
+static uint32_t voxel(const void *voxels, uint32_t bytes, size_t i)
 {
-    uint16_t two;
     uint32_t four;
-    if (bytes == 1u)
-        return voxels[i];
-    if (bytes == 2u) {
-        memcpy(&two, voxels + 2u * i, sizeof two);
-        return two;
-    }
-    memcpy(&four, voxels + 4u * i, sizeof four);
+    if (bytes < 4u)
+        return bytes == 2u ? ((const uint16_t *)voxels)[i] : ((const uint8_t *)voxels)[i];
+    memcpy(&four, (const float *)voxels + i, sizeof four);
     return four;
 }
 

@@ -23,8 +23,7 @@ enum {
 #define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header as written here */
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
 
-/* Words of a record's content; 0: unknown kind. */
-uint32_t smr_log_words(uint32_t kind);
+uint32_t smr_log_words(uint32_t kind); /* words of a record's content; 0: unknown kind */
 
 static inline void smr_log_put32(unsigned char *to, uint32_t v)
 {
@@ -56,7 +55,6 @@ struct smr_log {
  * (other version, unknown or repeated setting, wrong length). Values are not checked. */
 void smr_log_put_config(unsigned char *to, const smr_config *config);
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);
-
 /* Return checksums of the numbers of an input, not of their bytes in memory: equal on all processors, and never 0. */
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_cloud_checksum(const smr_points *points);
@@ -65,7 +63,6 @@ uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
-
 /* Returns the checksum of a recorded input, kind and what as for smr_log_note(); 0: the input was taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 

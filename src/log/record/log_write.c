@@ -5,8 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "log/record/log_format.h"
 
-_Static_assert(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) == 2u * SMR_LOG_FRAME + 4u * (8u + 3u),
-               "a tick, and what a force gave");
+_Static_assert(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) == 2u * SMR_LOG_FRAME + 4u * (8u + 3u), "a tick and a force");
 _Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + SMR_LOG_FULL_BYTES, "SMR_LOG_BYTES is too small");
 
 uint32_t smr_log_words(uint32_t kind)
@@ -35,10 +34,9 @@ static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
 /* Appends a record, or SMR_LOG_FULL in place of the first record that does not fit; nothing follows that. */
 static void put(smr_log *log, uint32_t kind, const uint32_t *word)
 {
-    const size_t needed = SMR_LOG_FRAME + 4u * (size_t)smr_log_words(kind) + SMR_LOG_FULL_BYTES;
     if (log->full)
         return;
-    log->full = log->bytes - log->used < needed;
+    log->full = log->bytes - log->used < SMR_LOG_FRAME + 4u * (size_t)smr_log_words(kind) + SMR_LOG_FULL_BYTES;
     write_record(log, log->full ? SMR_LOG_FULL : kind, log->full ? &kind : word);
     log->n_ticks += !log->full && kind == SMR_LOG_TICK;
 }
@@ -103,20 +101,6 @@ void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *wha
     put(log, kind, word);
 }
 
-static void write_header(smr_log *log, const smr_shared *shared)
-{
-    const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
-    const uint32_t fixed[SMR_LOG_FIXED / 4u] = {
-        SMR_LOG_MAGIC, SMR_LOG_VERSION,     SMR_LOG_HEADER, version, smr_le32(shared->model->checksum),
-        shared->n,     SMR_LOG_CONFIG_WORDS};
-    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++)
-        smr_log_put32(log->memory + 4u * i, fixed[i]);
-    smr_log_put_config(log->memory + SMR_LOG_FIXED, &shared->config);
-    log->crc = smr_crc32(0, log->memory, SMR_LOG_HEADER - 4u);
-    smr_log_put32(log->memory + SMR_LOG_HEADER - 4u, log->crc);
-    log->used = SMR_LOG_HEADER;
-}
-
 void smr_log_end(smr_log *log)
 {
     const uint32_t fresh = log->fresh;
@@ -126,9 +110,18 @@ void smr_log_end(smr_log *log)
 
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes)
 {
+    const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
+    const uint32_t fixed[SMR_LOG_FIXED / 4u] = {
+        SMR_LOG_MAGIC, SMR_LOG_VERSION,     SMR_LOG_HEADER, version, smr_le32(shared->model->checksum),
+        shared->n,     SMR_LOG_CONFIG_WORDS};
     smr_log_end(log);
     log->memory = memory;
     log->write = smr_log_write;
     log->bytes = bytes;
-    write_header(log, shared);
+    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++) /* the header */
+        smr_log_put32(log->memory + 4u * i, fixed[i]);
+    smr_log_put_config(log->memory + SMR_LOG_FIXED, &shared->config);
+    log->crc = smr_crc32(0, log->memory, SMR_LOG_HEADER - 4u);
+    smr_log_put32(log->memory + SMR_LOG_HEADER - 4u, log->crc);
+    log->used = SMR_LOG_HEADER;
 }

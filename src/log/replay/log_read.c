@@ -41,8 +41,7 @@ static smr_status take_tick(const uint32_t *word, smr_log_record *r)
     r->n_forces = word[4];
     r->plastic_updates = word[5];
     r->state_hash = joined(word + 6);
-    const int legal = (word[0] & 0xfcu) == 0u && r->phase < SMR_PHASES && (!r->complete || r->phase == 0u);
-    return legal ? SMR_OK : SMR_E_LOG;
+    return (word[0] & 0xfcu) == 0u && r->phase < SMR_PHASES && (!r->complete || r->phase == 0u) ? SMR_OK : SMR_E_LOG;
 }
 
 static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
@@ -106,8 +105,7 @@ smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
         return SMR_OK;
     if (left < SMR_LOG_FRAME)
         return SMR_E_LOG;
-    const uint32_t head = smr_log_get32(at), kind = head & 255u, n = smr_log_words(kind),
-                   bytes = SMR_LOG_FRAME + 4u * n;
+    const uint32_t head = smr_log_get32(at), n = smr_log_words(head & 255u), bytes = SMR_LOG_FRAME + 4u * n;
     if (n == 0u || head >> 8 != bytes || left < bytes)
         return SMR_E_LOG;
     const uint32_t crc = smr_crc32(reader->checksum, at, bytes - 4u);
@@ -115,7 +113,7 @@ smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
         return SMR_E_LOG;
     for (uint32_t i = 0; i < n; i++)
         word[i] = smr_log_get32(at + 4u + 4u * i);
-    smr_log_record r = {.kind = kind};
+    smr_log_record r = {.kind = head & 255u};
     SMR_TRY(take(word, &r));
     *record = r;
     reader->at += bytes;

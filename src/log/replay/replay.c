@@ -72,9 +72,9 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
     const void *given = NULL;
     smr *s = r->s;
-    const int owned =
-        record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_MOTION;
-    if (owned && record->structure >= s->shared.n_structures)
+    const uint32_t kind = record->kind, structure = record->structure;
+    const int owned = kind == SMR_LOG_POSITIONS || kind == SMR_LOG_GOALS || kind == SMR_LOG_MOTION;
+    if (owned && structure >= s->shared.n_structures)
         return SMR_E_LOG;
     if (record->present) {
         given = r->input == NULL ? NULL : r->input(r->ctx, record);
@@ -84,20 +84,19 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     const smr_caller_force *force = given;
     const smr_goals *goals = given;
     const smr_motion *motion = given;
-    switch (record->kind) {
+    switch (kind) {
     case SMR_LOG_POSE: return smr_set_pose(s, &record->pose);
     case SMR_LOG_LANDMARKS: return set_landmark(r, record);
-    case SMR_LOG_VOLUME_RATIO: return smr_set_volume_ratio(s, record->structure, record->ratio);
+    case SMR_LOG_VOLUME_RATIO: return smr_set_volume_ratio(s, structure, record->ratio);
     case SMR_LOG_FORCE: return smr_set_force(s, given != NULL ? force->force : NULL, given != NULL ? force->ctx : NULL);
     case SMR_LOG_GOALS:
-        return smr_set_goals(s, record->structure, given != NULL ? goals->xyz : NULL,
-                             given != NULL ? goals->weights : NULL);
-    case SMR_LOG_MOTION: return smr_set_motion(s, record->structure, motion->mass, motion->velocity);
-    case SMR_LOG_SURFACE: return smr_set_surface(s, record->structure, given);
+        return smr_set_goals(s, structure, given != NULL ? goals->xyz : NULL, given != NULL ? goals->weights : NULL);
+    case SMR_LOG_MOTION: return smr_set_motion(s, structure, motion->mass, motion->velocity);
+    case SMR_LOG_SURFACE: return smr_set_surface(s, structure, given);
     case SMR_LOG_FIXED_SURFACE: return smr_set_fixed(s, record->index, given);
-    case SMR_LOG_POINTS: return smr_set_points(s, record->structure, given);
+    case SMR_LOG_POINTS: return smr_set_points(s, structure, given);
     case SMR_LOG_VOLUME: return smr_set_volume(s, given);
-    default: return smr_set_positions(s, record->structure, given);
+    default: return smr_set_positions(s, structure, given);
     }
 }
 
@@ -131,9 +130,10 @@ static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_lo
         r->has_later = 1;
         return SMR_OK;
     }
-    const smr_status status = of_forces(record->kind) ? SMR_OK : set_later(r, &earlier);
-    if (!of_forces(record->kind))
-        r->has_forces = 0;
+    if (of_forces(record->kind))
+        return set_again(r, record);
+    r->has_forces = 0;
+    const smr_status status = set_later(r, &earlier);
     if (status == SMR_OK)
         return set_again(r, record);
     *record = earlier;
@@ -180,23 +180,20 @@ static smr_status take_tick(smr_replay *r, smr_replay_report *report)
 
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
 {
-    smr_status status = SMR_OK;
     if (replay == NULL || report == NULL)
         return SMR_E_NULL;
     memset(report, 0, sizeof *report);
     report->tick = replay->n_ticks + 1u;
-    while (status == SMR_OK) {
+    for (;;) {
         const smr_log_reader before = replay->reader;
-        status = smr_log_next(&replay->reader, &report->record);
+        SMR_TRY(smr_log_next(&replay->reader, &report->record));
         const uint32_t kind = report->record.kind;
-        if (status != SMR_OK)
-            break;
         if (kind == 0u || kind == SMR_LOG_FULL) {
             report->ended = 1;
             report->tick = replay->n_ticks;
             report->full = kind == SMR_LOG_FULL;
             replay->reader = before; /* the next call ends here again */
-            break;
+            return SMR_OK;
         }
         if (kind == SMR_LOG_TICK) {
             replay->n_ticks++;
@@ -205,7 +202,6 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
         if (report->record.gave)
             replay->gave = report->record.checksum;
         else if (kind != SMR_LOG_ACTIVE)
-            status = take_input(replay, &before, &report->record);
+            SMR_TRY(take_input(replay, &before, &report->record));
     }
-    return status;
 }
