@@ -368,7 +368,7 @@ group_verdict() {
         return
     fi
     for half in 0 1; do
-        mkdir $half && (cd $half && ln -s ../data data && for seed in $(seq $half 2 2999); do one $seed data job; done) &
+        mkdir $half && (cd $half && ln -s ../data data && for seed in $(seq $half 2 3299); do one $seed data job; done) &
     done
     for bone in hip_bone patella; do both $bone person data/hip_thigh_vhm/$bone.ply data/thigh_person/truth/$bone.ply; done
     both right left data/ct_hips_surfaces/hip_bone_right.ply x:data/ct_hips_surfaces/hip_bone_left.ply

@@ -46,12 +46,12 @@ fill() { # section, file
             n = split(substr($0, at + 4), word, " ")
             f = ""
             known = 1
-            x[1] = x[2] = x[3] = ""
+            x[1] = x[2] = x[3] = x[4] = x[5] = ""
             for (i = 1; i <= n; i++)
                 if (f == "" && word[i] !~ /%/) { known = known && (word[i] in v); x[i] = v[word[i]] }
                 else f = f (f == "" ? "" : " ") word[i]
             if (f ~ /MB/) x[1] /= 1e6
-            if (known) printf id "." substr($0, 1, index($0, ";") - 1) "\t" f "\n", x[1], x[2], x[3]
+            if (known) printf id "." substr($0, 1, index($0, ";") - 1) "\t" f "\n", x[1], x[2], x[3], x[4], x[5]
         }' "$2" $here/list.txt >>"$new"
 }
 
