@@ -39,6 +39,7 @@ enum {
     ROTATION,
     BEND,
     SIMILARITY,
+    STRETCH_IMAGE,
     GOALS,
     MEASURES
 };
@@ -50,7 +51,7 @@ static const struct {
 } table[MEASURES] = {
     [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing visible */
     [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.8f, 0.9f, 1.3f, 1.0f},      /* hidden share of the model */
-    [PART] = {SMR_REASON_LITTLE_VISIBLE, 3.0f, 3.4f, 20.0f, 1.0f},       /* expected error with a partial target, mm */
+    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.6f, 3.0f, 17.0f, 1.0f},       /* expected error with a partial target, mm */
     [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error over the bend */
     [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
     [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* share of the target, for a whole model */
@@ -67,6 +68,7 @@ static const struct {
     [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 25.0f, 1.15f},      /* largest rotation of a part, degrees */
     [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
+    [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* stretch times 1 less the similarity */
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */
 };
 
@@ -138,6 +140,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
     m[STRAYS] = strays;
     if (image) {
         m[SIMILARITY] = v->image_similarity > -1.0f ? 1.0f - v->image_similarity : 0.0f;
+        m[STRETCH_IMAGE] = m[SIMILARITY] * v->stretch; /* people differ, but then the image fits */
         m[GOALS] = lacking(v->goals_share);
         m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }

@@ -220,7 +220,7 @@ TEST(test_part)
 {
     smr_verdict v;
     for (uint32_t k = 0; k < 4u; k++) { /* part or whole, little or more expected */
-        v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 3.3f : 3.5f);
+        v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 2.9f : 3.5f);
         for (int whole = 0; whole < 2; whole++) {
             smr_judge(&v, 4.0f, whole, 0.0f);
             assert_int_equal(k == 1u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
