@@ -16,6 +16,7 @@
 #define SMR_STRAIN_MOST 0.25f
 #define SMR_STRAIN_SMOOTH 0.15f /* largest strain without noise of the target */
 #define SMR_STRAIN_NOISE 2.0f   /* strain by noise over the residual in mean edge lengths; squares add up */
+#define SMR_UNLIKE_MOST 0.3f    /* lack of image similarity that makes a change of size most doubtful */
 #define SMR_OPEN_LEAST 1.8f     /* mm: smaller expected errors are not compared with the bend */
 
 /* What gives doubt, in the order of the table. */
@@ -140,7 +141,8 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
     m[STRAYS] = strays;
     if (image) {
         m[SIMILARITY] = v->image_similarity > -1.0f ? 1.0f - v->image_similarity : 0.0f;
-        m[STRETCH_IMAGE] = m[SIMILARITY] * v->stretch; /* people differ, but then the image fits */
+        m[STRETCH_IMAGE] =
+            smr_min(m[SIMILARITY], SMR_UNLIKE_MOST) * v->stretch; /* people differ, but then the image fits */
         m[GOALS] = lacking(v->goals_share);
         m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }
