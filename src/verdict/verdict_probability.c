@@ -66,7 +66,7 @@ static const struct {
     [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* strain over its largest plausible value */
     [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* change of the size of parts */
     [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* change of volume */
-    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 25.0f, 1.15f},      /* largest rotation of a part, degrees */
+    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 40.0f, 1.15f},      /* largest rotation of a part, degrees */
     [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
     [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* stretch times 1 less the similarity */
