@@ -24,6 +24,7 @@
 #define SMR_NOISE_ROUNDS 5u     /* rounds that find size2 with the measured noise */
 #define SMR_NOISE_SHARE 0.64f   /* squared mean over mean square of an error by noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.15f   /* variance across an invisible vertex near the visible ones, over the process' */
+#define SMR_UNSEEN_IMAGE 0.75f  /* the same share where an image shows a part: landmarks bend the start, no growth */
 #define SMR_UNSEEN_ACROSS 4.0f  /* growth of that variance at a kernel length from the visible vertices */
 #define SMR_UNSEEN_ALONG 2.5f   /* growth of the variance along the surface there */
 #define SMR_PARTIAL_ALONG 0.45f /* variance along the surface over the process' where a regression limits sliding */
@@ -46,6 +47,7 @@ typedef struct normal_field {
     float along;       /* variance along the surface over the process' */
     float across2;     /* variance by noise across the surface, mm^2 */
     smr_pose pose;     /* pose of all visible vertices from the start */
+    int image_part;    /* 1: an image shows a part of the structure */
     smr_vec middle;    /* middle of the structure's box at the start, mm */
     float motions;     /* variance of the motions over that of the displacement */
     float per_length2; /* 1 / l^2 of the kernel length l, 1 / mm^2 */
@@ -276,8 +278,9 @@ static parts weighed(const normal_field *f, uint32_t v, parts variance, float fa
 {
     const float least = SMR_ALONG_LEAST * smr_le_float(f->s->shared.model->edge_mm);
     const int visible = smr_vertex_visible(f->s, v);
-    const float across = visible ? 0.0f : SMR_UNSEEN_NEAR + SMR_UNSEEN_ACROSS * far2;
-    const float along = f->along + (visible ? 0.0f : SMR_UNSEEN_ALONG * far2);
+    const float near = f->image_part ? SMR_UNSEEN_IMAGE : SMR_UNSEEN_NEAR, grown2 = f->image_part ? 0.0f : far2;
+    const float across = visible ? 0.0f : near + SMR_UNSEEN_ACROSS * grown2;
+    const float along = f->along + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }
 
@@ -318,6 +321,7 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
     normal_field field = {.n = 0};
     const float size2 = by_landmarks ? smr_landmark_field_solve(&through) : solve_field(&field, s, structure, residual);
     const int known = by_landmarks ? size2 >= 0.0f : field.n > 0u;
+    field.image_part = e->n_invisible > 0u;
     if (known)
         smr_mean_add(&e->bend, SMR_SQRT(size2), (float)one->n_vertices);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
