@@ -33,7 +33,7 @@ names() {
     /^[ \t]*#/ { next }
     /^(typedef )?enum .*\{/ { listing = 1; sub(/^[^{]*\{/, "") }
     listing { end = index($0, "}"); constants(end ? substr($0, 1, end - 1) : $0); if (end) listing = 0 }
-    /^\} [a-z_0-9]+;/ { say(last_word($0)) }
+    /^\} [a-z_0-9]+(\[[^]]*\])?(;| =)/ { sub(/^\} /, ""); say(first_word($0)) }
     /^(typedef )?(struct|union|enum) [a-z_0-9]+ \{/ { sub(/ \{.*/, ""); say(last_word($0)) }
     /^typedef .*\(\*/ { sub(/.*\(\*/, ""); say(first_word($0)); next }
     /^typedef .*;/ { sub(/(\[.*)?;.*/, ""); sub(/ __attribute__.*/, ""); say(last_word($0)); next }
@@ -61,8 +61,10 @@ body() {
         sub(/[^\/]*$/, name, file)
         return file
     }
-    # 1: the line begins a function that smr.h does not declare. It is static here: compilers drop what nothing calls.
+    # 1: the line begins a function that smr.h does not declare, or declares functions by a type of functions. They are
+    # static here: compilers drop what nothing calls.
     function internal(line) {
+        if (line ~ /^smr_[a-z_0-9]+ smr_[a-z_0-9, ]+;/) return 1
         if (line !~ /^[a-z][a-z_0-9 ]*[ *]smr_[a-z_0-9]+\(/ || line ~ /^(static|typedef|extern|return) /) return 0
         sub(/\(.*/, "", line); sub(/.*[ *]/, "", line)
         return !(line in public)
