@@ -57,19 +57,6 @@ void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
     f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
 }
 
-uint32_t smr_field_visibility(const smr_occluded_field *f, uint32_t v)
-{
-    const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
-    if (smr_field_of_past(f) && target->surface == NULL)
-        return 0u;
-    if (f->landmarks->n > 0u)
-        return f->landmarks->visibility[v];
-    const int in_image = smr_field_of_image(f) || (smr_field_of_part(f) && target->surface == NULL);
-    if (!in_image || (target->partial && !smr_field_of_rest(f, v)))
-        return f->goals->visibility[v];
-    return f->found[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
-}
-
 /* Returns 1 when the field must count visible vertices; otherwise smr_target.n_visible has their number. */
 static int counts(const smr_occluded_field *f)
 {

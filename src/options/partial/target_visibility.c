@@ -206,3 +206,16 @@ void smr_visibility_commit(smr_surface_goals *g)
         g->partial |= t->partial;
     }
 }
+
+uint32_t smr_field_visibility(const smr_occluded_field *f, uint32_t v)
+{
+    const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
+    if (smr_field_of_past(f) && target->surface == NULL)
+        return 0u;
+    if (f->landmarks->n > 0u)
+        return f->landmarks->visibility[v];
+    const int in_image = smr_field_of_image(f) || (smr_field_of_part(f) && target->surface == NULL);
+    if (!in_image || (target->partial && !smr_field_of_rest(f, v)))
+        return f->goals->visibility[v];
+    return f->found[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
+}
