@@ -58,7 +58,7 @@ if command -v bash >/dev/null && bash -c 'type mapfile compgen' >/dev/null 2>&1;
     offers '--help --version' smr --
     offers 'none rigid similarity' smr register --align ''
     offers 'similarity' smr register --model a.ply --align s
-    offers '--budget-ms' smr register --model a.ply --bu
+    offers '--budget-ms' smr register --model a.ply --budget-m
     offers 'femur.ply' smr register --model fem
     offers 'femur.ply' smr register --model a.ply b.ply fem
     offers 'folder' smr carry --result fo
