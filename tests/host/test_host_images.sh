@@ -141,7 +141,7 @@ check "vertices had moved, though" less 0.3 "$(value noise/report.json matched_s
 check "they are where they began" sh -c "[ '$(value noise/report.json start_kept)' = true ] && '$SMR' measure noise/bone.ply bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
 "$SMR" carry --result noise --points bone.ply -o carried.ply --quiet
 header=$(LC_ALL=C sed '/^end_header$/q' noise/bone.ply | wc -c)
-tail -c +$((header + 1)) noise/bone.ply | head -c "$((21 * $(value noise/report.json vertices)))" | od -An -v -tu1 -w21 >vertices.txt
+tail -c +$((header + 1)) noise/bone.ply | head -c "$((29 * $(value noise/report.json vertices)))" | od -An -v -tu1 -w29 >vertices.txt
 check "nothing is said of their vertices" awk '$13 != 0 || $14 != 0 || $15 != 0 || $16 != 128 || $17 != 191 { bad = 1 } END { exit bad || NR < 200 }' vertices.txt
 check "nor in the page" [ -z "$(grep -o '"expected":{"unit":[^,]*,"at":"[^"]*' noise/report.html | sed 's/.*"at":"//' | tr -d '/8w=\n')" ]
 check "points are carried to what is written" sh -c "'$SMR' measure carried.ply noise/bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
