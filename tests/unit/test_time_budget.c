@@ -162,6 +162,33 @@ TEST(test_a_budget_leaves_the_result)
     }
 }
 
+/* Neither do repairs of folds leave out vertices then: the rejection of later iterations starts from their goals. */
+TEST(test_exact_repairs)
+{
+    const smr_mesh ball = rig_ball(40, 31, 40, none), goal = rig_ball(43, 17, 24, none);
+    const smr_prepare_config radii = rig_radii(3, 40, 18, 9);
+    const smr_model *three = rig_model(&ball, 1, &radii);
+    smr_config c = smr_config_default();
+    c.basic.budget_exact = 1;
+    c.forces.reject_deviations = 1.0f;
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = rig_init(three, &c, &port), *plain = rig_init(three, &c, NULL);
+    smr_tick_report r = {0}, want = {0};
+    uint32_t repairs = 0;
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    assert_int_equal(SMR_OK, smr_set_surface(plain, SMR_ALL, rig_surface(&goal)));
+    while (!want.done) {
+        repairs += s->schedule.repairing > 0u;
+        assert_int_equal(SMR_OK, smr_tick(plain, 0, &want));
+        while (smr_tick(s, 3000000, &r) == SMR_PARTIAL) {
+        }
+        assert_int_equal(s->shared.n, r.details.n_taken);
+        assert_true(r.state_hash == want.state_hash);
+    }
+    assert_true(repairs > 0u);
+}
+
 TEST(test_set_active)
 {
     set_up();

@@ -175,8 +175,8 @@ int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
                    more = smr_max_u32(group * chunk, SMR_LOOK);
     if (s->schedule.n_active_chosen > 0u || reached < fewest(s))
         return 0;
-    if (s->schedule.repairing > 0u)
-        return 1; /* no forces act in this iteration */
+    if (s->schedule.repairing > 0u && !s->shared.config.basic.budget_exact)
+        return 1; /* no forces act in this iteration, but later ones start from its searches */
     if (s->budget.uncut || reached < s->budget.look)
         return 0;
     s->budget.look = reached + more;
