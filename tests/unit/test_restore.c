@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "log/record/log_format.h"
 #include "unit/unit_log.h"
 #include "unit/unit_save.h"
 
@@ -186,6 +187,40 @@ TEST(test_log_goes_on)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_get_log(s, &at));
     assert_true(at.bytes == 0u);
+}
+
+/* With budget_exact, which a save or log holds only where it is 1: both are of that configuration and no other. */
+TEST(test_exact_budgets)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES], log[UNIT_LOG_BYTES];
+    static _Alignas(SMR_ALIGN) unsigned char arena[1u << 18];
+    smr_config config = u.config;
+    smr_saved_info info;
+    smr_log_state at;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    config.basic.budget_exact = 1;
+    smr *s = rig_init(u.model, &config, NULL), *again;
+    assert_int_equal(SMR_E_ARENA, smr_set_log(s, log, SMR_LOG_HEADER + SMR_LOG_FULL_BYTES));
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    (void)rig_run(s, 3);
+    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    assert_int_equal(SMR_E_CONFIG,
+                     smr_replay_start(rig_init(u.model, &u.config, NULL), log, at.bytes, give, &u, &replay));
+    again = rig_init(u.model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_replay_start(again, log, at.bytes, give, &u, &replay));
+    while (!report.ended)
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+    assert_true(smr_state_hash(again) == smr_state_hash(s));
+    assert_int_equal(SMR_OK, smr_save(again, saved, sizeof saved));
+    assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info));
+    assert_int_equal(1, info.config.basic.budget_exact);
+    assert_int_equal(SMR_E_CONFIG,
+                     smr_restore(u.model, &u.config, NULL, saved, sizeof saved, arena, sizeof arena, &again));
+    assert_int_equal(SMR_OK, smr_restore(u.model, &config, NULL, saved, sizeof saved, arena, sizeof arena, &again));
+    assert_int_equal(SMR_OK, smr_restore(u.model, NULL, NULL, saved, sizeof saved, arena, sizeof arena, &again));
 }
 
 /* One that was saved right after smr_init() is as smr_init() leaves it: a log can start. */

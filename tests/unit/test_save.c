@@ -87,7 +87,7 @@ TEST(test_macro)
             smr_config config = smr_config_default();
             smr_model_info info;
             size_t bytes = 0;
-            config.basic.method = method;
+            config.basic.method = config.basic.budget_exact = method;
             config.basic.n_target_vertices = targets;
             config.partial.n_landmarks = targets / 400u;
             assert_int_equal(SMR_OK, smr_model_get_info(u.model, &info));

@@ -12,16 +12,24 @@
 #define SMR_LOG_FRAME 8u          /* bytes of a record around its content: its head and its checksum */
 #define SMR_LOG_WORDS 12u         /* words of the largest content */
 
-/* Words of the configuration: for each setting a head and its value. */
+/* Words of the configuration: for each setting a head and its value. budget_exact is written only where it is 1, so
+ * that all other logs and saves are as they were before that setting. */
 enum {
-    SMR_LOG_CONFIG_WORDS = 0
+    SMR_LOG_EXACT_WORDS = 2,
+    SMR_LOG_CONFIG_WORDS = -SMR_LOG_EXACT_WORDS
 #define SMR_GROUP(title)
 #define SMR_SETTING(kind, number, path, ...) +((number) > 0 ? 1 + (int)(sizeof(((smr_config *)NULL)->path) / 4u) : 0)
 #include "base/settings_config.def"
 };
 
-#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header as written here */
+#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header without budget_exact */
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
+
+/* Words of this configuration. */
+static inline uint32_t smr_log_config_words(const smr_config *config)
+{
+    return (uint32_t)SMR_LOG_CONFIG_WORDS + (config->basic.budget_exact ? (uint32_t)SMR_LOG_EXACT_WORDS : 0u);
+}
 
 uint32_t smr_log_words(uint32_t kind); /* words of a record's content; 0: unknown kind */
 
@@ -51,7 +59,7 @@ struct smr_log {
     uint32_t fresh;        /* 1: the registration has not changed since smr_init() */
 };
 
-/* Write the configuration as SMR_LOG_CONFIG_WORDS words, and read n_words words of a log of this version. Errors: E_LOG
+/* Write the configuration as smr_log_config_words() words, and read n_words words of a log of this version. Errors: E_LOG
  * (other version, unknown or repeated setting, wrong length). Values are not checked. */
 void smr_log_put_config(unsigned char *to, const smr_config *config);
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);

@@ -6,7 +6,7 @@
 #include "log/record/log_format.h"
 
 _Static_assert(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) == 2u * SMR_LOG_FRAME + 4u * (8u + 3u), "a tick and a force");
-_Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + SMR_LOG_FULL_BYTES, "SMR_LOG_BYTES is too small");
+_Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + 4u * SMR_LOG_EXACT_WORDS + SMR_LOG_FULL_BYTES, "a header");
 
 uint32_t smr_log_words(uint32_t kind)
 {
@@ -111,9 +111,9 @@ void smr_log_end(smr_log *log)
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes)
 {
     const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
+    const uint32_t n_config = smr_log_config_words(&shared->config), header = SMR_LOG_FIXED + 4u * n_config + 4u;
     const uint32_t fixed[SMR_LOG_FIXED / 4u] = {
-        SMR_LOG_MAGIC, SMR_LOG_VERSION,     SMR_LOG_HEADER, version, smr_le32(shared->model->checksum),
-        shared->n,     SMR_LOG_CONFIG_WORDS};
+        SMR_LOG_MAGIC, SMR_LOG_VERSION, header, version, smr_le32(shared->model->checksum), shared->n, n_config};
     smr_log_end(log);
     log->memory = memory;
     log->write = smr_log_write;
@@ -121,7 +121,7 @@ void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t 
     for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++) /* the header */
         smr_log_put32(log->memory + 4u * i, fixed[i]);
     smr_log_put_config(log->memory + SMR_LOG_FIXED, &shared->config);
-    log->crc = smr_crc32(0, log->memory, SMR_LOG_HEADER - 4u);
-    smr_log_put32(log->memory + SMR_LOG_HEADER - 4u, log->crc);
-    log->used = SMR_LOG_HEADER;
+    log->crc = smr_crc32(0, log->memory, header - 4u);
+    smr_log_put32(log->memory + header - 4u, log->crc);
+    log->used = header;
 }

@@ -6,8 +6,6 @@
 #include "registration/api/setup.h"
 #include "registration/schedule_radius.h"
 
-#define SMR_SAVED_VALUES (SMR_SAVED_FIXED + 4u * SMR_LOG_CONFIG_WORDS) /* bytes before the saved values */
-
 /* Saves the state of the log, without the log's memory. */
 static void keep_log(smr_arena *a, smr_log *log)
 {
@@ -95,7 +93,8 @@ void smr_go_over(smr *s, smr_keeper *k)
 static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes)
 {
     smr copy = *s;
-    smr_keeper k = {.mode = mode, .to = to, .at = SMR_SAVED_VALUES, .bytes = bytes};
+    const size_t values_at = SMR_SAVED_FIXED + 4u * smr_log_config_words(&s->shared.config);
+    smr_keeper k = {.mode = mode, .to = to, .at = values_at, .bytes = bytes};
     smr_go_over(&copy, &k);
     return k;
 }
@@ -126,7 +125,7 @@ smr_status smr_save(const smr *s, void *memory, size_t bytes)
     const uint32_t model = smr_le32(s->shared.model->checksum);
     const uint32_t header[SMR_SAVED_FIXED / 4u] = {
         SMR_SAVED_MAGIC, SMR_SAVED_VERSION, (uint32_t)needed, version,
-        model,           s->shared.n,       k.plan,           SMR_LOG_CONFIG_WORDS};
+        model,           s->shared.n,       k.plan,           smr_log_config_words(&s->shared.config)};
     for (size_t i = 0; i < SMR_SAVED_FIXED / 4u; i++)
         smr_log_put32(to + 4u * i, header[i]);
     smr_log_put_config(to + SMR_SAVED_FIXED, &s->shared.config);

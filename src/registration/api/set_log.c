@@ -10,7 +10,8 @@ smr_status smr_set_log(smr *s, void *memory, size_t bytes)
         return smr_await_log(s, memory, bytes);
     if (!smr_ready(s) || (memory != NULL && !s->log.fresh))
         return SMR_E_STATE;
-    if (memory != NULL && bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES)
+    const size_t header = SMR_LOG_FIXED + 4u * (size_t)smr_log_config_words(&s->shared.config) + 4u;
+    if (memory != NULL && bytes < header + SMR_LOG_FULL_BYTES)
         return SMR_E_ARENA;
     if (memory == NULL)
         smr_log_end(&s->log);
