@@ -16,17 +16,21 @@ static void add_vertices(const smr *s, const smr_shape_structure *one, int all, 
 }
 
 /* Adds the distances of a structure's visible vertices in the pose to the planes through their goals. A goal lies at
- * the residual along the force from the position before, which x_next holds between iterations. */
+ * the residual along the force from the position before, which x_next holds between iterations. Without a force (on the
+ * target, within its noise, in a repair of folds, at the end in an image) it lies there, off by the residual at most. */
 static void add_distances(const smr *s, const smr_shape_structure *one, const smr_pose *pose, smr_mean *mean)
 {
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         const smr_vec force = smr_get3(s->forces.force, v);
-        const float length = smr_length(force);
-        if (s->forces.found_last[v] != SMR_FOUND_GOAL || !smr_vertex_visible(s, v) || !(length > 0.0f))
+        const float length = smr_length(force), residual = s->forces.residual[v];
+        if (s->forces.found_last[v] != SMR_FOUND_GOAL || !smr_vertex_visible(s, v) || residual < 0.0f)
             continue;
         const smr_vec moved = smr_sub(smr_pose_apply(pose, smr_rest(&s->shared, v)), smr_get3(s->shape.x_next, v));
-        smr_mean_add(mean, smr_abs(s->forces.residual[v] - smr_dot(moved, force) / length), 1.0f);
+        const float by_normal = smr_abs(smr_dot(moved, smr_get3(s->shape.normal, v)));
+        smr_mean_add(mean,
+                     length > 0.0f ? smr_abs(residual - smr_dot(moved, force) / length) : smr_max(residual, by_normal),
+                     1.0f);
     }
 }
 
@@ -47,7 +51,8 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
             add_vertices(s, &s->shape.structure[i], all, &fit);
     }
     const smr_pose fitted = smr_fit_solve(&fit, 0);
-    const int measured = s->step == 0u && s->next_task == 0u && !s->forces.unmeasured;
+    const int measured = s->step == 0u && s->next_task == 0u && !s->forces.unmeasured &&
+                         s->forces.totals.n_forces > 0u; /* totals and forces are not saved */
     for (uint32_t i = first; i < last && measured; i++)
         add_distances(s, &s->shape.structure[i], &fitted, &mean);
     *residual_mm = smr_mean_of(mean, -1.0f);

@@ -261,6 +261,29 @@ TEST(test_pose)
     assert_memory_equal(&pose, &all, sizeof pose);
 }
 
+/* A residual is measured by each complete iteration: on the target itself, within its noise, where folds are repaired. */
+TEST(test_pose_without_forces)
+{
+    for (uint32_t noise = 0; noise < 2u; noise++) {
+        scene e = make(SMR_TRACK_OFF);
+        const smr_mesh there = moved(&e.source, 0, noise ? 0.5f : 0.0f);
+        smr_pose pose;
+        smr_tick_report r = {0};
+        uint32_t repairs = 0;
+        e.config.partial.noise_mm = noise ? 2.0f : 0.0f;
+        smr *s = rig_init(e.model, &e.config, NULL);
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&there)));
+        while (!r.done) {
+            float mm;
+            repairs += s->schedule.repairing > 0u;
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+            assert_int_equal(SMR_OK, smr_get_pose(s, SMR_ALL, &pose, &mm));
+            assert_true(mm >= 0.0f && fabsf(mm - r.residual_mean_mm) < 0.01f);
+        }
+        assert_true(repairs > 0u && (r.residual_mean_mm > 0.1f) == noise);
+    }
+}
+
 /* Follows clouds with noise on a bone that moves by 2 mm a frame, at most so many ticks each. Returns the mean error of
  * the last frame's vertices; *median: ticks of a frame. */
 static float follow_cloud(uint32_t ticks, uint32_t *median)
