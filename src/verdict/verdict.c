@@ -142,7 +142,7 @@ static void judge_all(const smr *s, smr_verdict *verdict)
 static void note_recovering(const smr *s, smr_verdict *verdict)
 {
     const smr_schedule *p = &s->schedule;
-    if (p->recovering == 1u || (!p->done && p->serial != p->n_set))
+    if (p->recovering == 1u || p->serial != p->n_set)
         add_doubt(verdict, SMR_REASON_RECOVERING);
 }
 

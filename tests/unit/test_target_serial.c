@@ -261,6 +261,18 @@ TEST(test_pose)
     assert_memory_equal(&pose, &all, sizeof pose);
 }
 
+/* A finished schedule never follows goals that come later: no result is good on them, whatever was measured before. */
+TEST(test_goals_after_the_end)
+{
+    const scene e = make(SMR_TRACK_OFF);
+    const smr_mesh near = moved(&e.source, 1, 1), away = moved(&e.source, 0, 60);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, near.xyz, NULL));
+    assert_true(rig_run(s, 1000).done && verdict_of(s).level == SMR_VERDICT_GOOD);
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, away.xyz, NULL));
+    assert_true(verdict_of(s).level != SMR_VERDICT_GOOD && recovers(s));
+}
+
 /* A residual is measured by each complete iteration: on the target itself, within its noise, where folds are repaired. */
 TEST(test_pose_without_forces)
 {
