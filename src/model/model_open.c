@@ -269,10 +269,12 @@ static int check_sections(const smr_model *m)
 
 int smr_model_known(const smr_model *m)
 {
+    if ((uintptr_t)m % SMR_ALIGN != 0u)
+        return 0; /* no word is read from there */
     const uint32_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
-    return (uintptr_t)m % SMR_ALIGN == 0u && smr_le32(m->magic) == SMR_MODEL_MAGIC &&
-           smr_le32(m->version) == SMR_MODEL_VERSION && smr_le32(m->bytes) >= sizeof *m && n >= 1u &&
-           n <= SMR_VERTICES_MAX && smr_le32(m->n_triangles) <= SMR_TRIANGLES_MAX && smr_le32(m->n_structures) >= 1u &&
+    return smr_le32(m->magic) == SMR_MODEL_MAGIC && smr_le32(m->version) == SMR_MODEL_VERSION &&
+           smr_le32(m->bytes) >= sizeof *m && n >= 1u && n <= SMR_VERTICES_MAX &&
+           smr_le32(m->n_triangles) <= SMR_TRIANGLES_MAX && smr_le32(m->n_structures) >= 1u &&
            smr_le32(m->n_structures) <= SMR_STRUCTURES_MAX && smr_le32(m->n_radii) >= 1u &&
            smr_le32(m->n_radii) <= SMR_RADII_MAX && (width == 4u || (width == 2u && n <= 65535u));
 }
