@@ -23,8 +23,9 @@ static int fill_errors(const host_job *job, uint32_t part, uint32_t n, float *er
             error[2u * (size_t)i] = across[i];
             error[2u * (size_t)i + 1u] = across[n + i];
         }
+    const int result = across != NULL ? 0 : -1;
     free(across);
-    return across != NULL ? 0 : -1;
+    return result;
 }
 
 /* Rest and present positions and expected errors, structures in a row. */
