@@ -14,71 +14,71 @@
 
 #define SMR_CARRY_MAGIC 0x63726163u
 #define SMR_CARRY_DENSITIES 4u
-#define SMR_CARRY_FIRST 16u /* number of nearest vertices taken from all vertices */
-#define SMR_CARRY_MORE 12u  /* number of nearest vertices taken from each thinner selection */
+#define SMR_CARRY_FIRST 16u /* how many vertices nearest to a point are taken from all vertices */
+#define SMR_CARRY_MORE 12u  /* how many nearest vertices are taken from each thinner selection */
 #define SMR_CARRY_NEAR (SMR_CARRY_FIRST + (SMR_CARRY_DENSITIES - 1u) * SMR_CARRY_MORE)
-#define SMR_CARRY_CHUNK 64u    /* points of a task */
-#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's rough part, as a share of its smooth part's */
+#define SMR_CARRY_CHUNK 64u    /* number of points that one task handles */
+#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's short-range part / variance of its long-range part */
 
 /* A selection of vertices, every stride-th one along the curve, and a tree of boxes over groups of eight of them. */
 typedef struct smr_carry_thin {
-    smr_box_tree groups;       /* tree with groups in place of triangles; only node, level and counts are used */
-    uint32_t first, stride, n; /* vertices first, first + stride, ...: n of them */
+    smr_box_tree groups;       /* tree of boxes around groups of eight vertices, in place of triangles */
+    uint32_t first, stride, n; /* the selection holds n vertices: first, first + stride, ... */
     uint32_t take;             /* number of nearest vertices taken from this selection */
 } smr_carry_thin;
 
-/* The vertices near a point, nearest first, and the equations of their coefficients. Scratch of one worker. */
+/* The vertices near a point, the nearest one first, and the equations of their coefficients. Scratch of one worker. */
 typedef struct smr_carry_site {
-    uint32_t n;                                   /* number of vertices */
-    uint32_t id[SMR_CARRY_NEAR];                  /* numbers of the vertices along the curve */
-    float x[3][SMR_CARRY_NEAR];                   /* rest positions, mm from the centre */
-    float noise_variance[SMR_CARRY_NEAR];         /* noise variances, for the diagonal; 0 for the nearest vertex */
-    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) of each distance to the nearest vertex */
-    float part[SMR_CARRY_NEAR];                   /* 1 - far / (1 + rough) */
-    float inverse[SMR_CARRY_NEAR];                /* inverse pivots of the factor; 0 for a vertex that adds nothing */
-    float lower[SMR_CARRY_NEAR * SMR_CARRY_NEAR]; /* the factor L of L D L^T, row-major; entry 0 is not used */
-    float side[SMR_CARRY_NEAR];                   /* right-hand side of the equations, then the solution */
-    float weight[3][SMR_CARRY_NEAR];              /* solutions for x, y and z of the vertices' residuals, mm */
+    uint32_t n;                                   /* number of vertices near the point */
+    uint32_t id[SMR_CARRY_NEAR];                  /* number of each vertex in the order of the Hilbert curve */
+    float x[3][SMR_CARRY_NEAR];                   /* x, y and z of the rest positions, mm from smr_carry.centre */
+    float noise_variance[SMR_CARRY_NEAR];         /* noise variance of each vertex' residual; 0: the nearest vertex */
+    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) of the distance to the nearest vertex */
+    float part[SMR_CARRY_NEAR];                   /* correlation with the nearest vertex, 1 - far / (1 + rough) */
+    float inverse[SMR_CARRY_NEAR];                /* 1 / pivot of each vertex; 0: the vertex gets no weight */
+    float lower[SMR_CARRY_NEAR * SMR_CARRY_NEAR]; /* factor L of the matrix L D L^T, row-major; row 0 is not used */
+    float side[SMR_CARRY_NEAR];                   /* right-hand side of the equations; once solved, the coefficients */
+    float weight[3][SMR_CARRY_NEAR];              /* solutions for the vertices' residuals in x, y and z, mm */
 } smr_carry_site;
 
 struct smr_carry {
-    const struct smr_carry *self; /* the address of this struct: a copy at another address is refused */
+    const struct smr_carry *self; /* address of this struct itself: a copy at another address is refused */
     uint32_t magic;               /* SMR_CARRY_MAGIC */
     uint32_t n_vertices, n_points, n_densities;
     smr_port port;
-    smr_vec centre;   /* origin of positions, mm, whole numbers */
+    smr_vec centre;   /* origin of stored positions, mm: middle of the rest shape's box, rounded */
     float per_smooth; /* inverse range of the covariance's smooth part, 1 / mm */
     float per_rough;  /* inverse range of the covariance's rough part, 1 / mm */
-    float *rest;      /* [n_vertices][3] rest positions along the curve, mm from the centre */
+    float *rest;      /* [n_vertices][3] rest positions in the order of the Hilbert curve, mm from `centre` */
     uint32_t *item;   /* [n_vertices] the caller's number of each vertex */
     smr_carry_thin thin[SMR_CARRY_DENSITIES];
     smr_carry_site *site; /* [port.n_workers] scratch of each worker */
-    uint32_t *near; /* [n_points][SMR_CARRY_NEAR] the caller's vertices near each point; unused ones are the first */
-    float *coefficient; /* [n_points][SMR_CARRY_NEAR] coefficients c_k; unused ones are 0 */
-    float *rest_part;   /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the factors of T */
+    uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's numbers of vertices near a point; unused: the first again */
+    float *coefficient; /* [n_points][SMR_CARRY_NEAR] coefficients c_k of the vertices in `near`; unused ones are 0 */
+    float *rest_part;   /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the parts that T maps */
 };
 
-/* Computes the selections for n vertices and the shapes of their trees. Counts the selections, and the trees' nodes. */
+/* Writes the selections of n vertices, the shapes of their trees, the number of selections and that of all nodes. */
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes);
-void smr_carry_boxes(const smr_carry_thin *thin, const float *rest); /* fits a tree's boxes to the rest positions */
+void smr_carry_boxes(const smr_carry_thin *thin, const float *rest); /* fits the tree's boxes to rest positions */
 
 /* The vertices of one selection that are nearest to a point, nearest first; ties in order of the curve. */
 typedef struct smr_carry_nearest {
     smr_vec p;                        /* the point, mm */
-    uint32_t n, most;                 /* number of vertices; largest number that is kept */
-    uint32_t id[SMR_CARRY_NEAR + 1u]; /* numbers of the vertices along the curve */
-    float d2[SMR_CARRY_NEAR + 1u];    /* squared distances, mm^2 */
+    uint32_t n, most;                 /* number of vertices found; largest number that the list keeps */
+    uint32_t id[SMR_CARRY_NEAR + 1u]; /* number of each vertex in the order of the Hilbert curve */
+    float d2[SMR_CARRY_NEAR + 1u];    /* squared distance of each vertex from p, mm^2 */
 } smr_carry_nearest;
 
-void smr_carry_insert(smr_carry_nearest *f, uint32_t id, float d2); /* inserts a vertex, drops one too many */
+void smr_carry_insert(smr_carry_nearest *f, uint32_t id, float d2); /* inserts in order; drops the farthest */
 
-/* The rest position of vertex i of the site, mm from the centre. */
+/* Returns the rest position of vertex i of the site, mm from smr_carry.centre. */
 static inline smr_vec smr_carry_place(const smr_carry_site *s, uint32_t i)
 {
     return smr_v(s->x[0][i], s->x[1][i], s->x[2][i]);
 }
 
-/* Adds the product v w^T to a matrix. */
+/* Adds the product v w^T to the matrix m, row-major. */
 static inline void smr_add_product(float m[9], smr_vec v, smr_vec w)
 {
     const float a[3] = {v.x, v.y, v.z}, b[3] = {w.x, w.y, w.z};
@@ -86,18 +86,18 @@ static inline void smr_add_product(float m[9], smr_vec v, smr_vec w)
         m[i] += a[i / 3u] * b[i % 3u];
 }
 
-/* Finds the vertices near p (mm from the centre), nearest first, with their noise variances. */
+/* Writes the vertices near p (mm from smr_carry.centre), the nearest one first, and their noise variances to *s. */
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s);
-void smr_carry_factor(const smr_carry *c, smr_carry_site *s); /* factors the equations of the gathered vertices */
-/* Solves the equations for the right-hand side b[n] in place; entry 0 stays. */
+void smr_carry_factor(const smr_carry *c, smr_carry_site *s); /* computes the factors of the equations */
+/* Replaces the right-hand side b[1 .. n-1] of the factored equations by their solution; b[0] is not changed. */
 void smr_carry_solve(const smr_carry_site *s, float *b);
-/* Computes the right-hand side of a point: side[1..n-1]. Returns g of the distance to the nearest vertex. */
+/* Writes side[1 .. n-1], the equations' right-hand side for point p. Returns g of the nearest vertex' distance. */
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
-/* Fits the similarity T from the rest shape, mm from the centre, to the present positions. */
+/* Returns the similarity T that fits rest positions, mm from c->centre, to present positions now[n_vertices][3], mm. */
 smr_pose smr_carry_trend(const smr_carry *c, const float *now);
-/* Checks the arguments of smr_carry_apply(). Errors: E_NULL, E_STATE, E_INPUT. */
+/* Checks the arguments of smr_carry_apply(). Returns SMR_OK, E_NULL, E_STATE or E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-/* Calls each() for n points, with a worker's scratch. E_STATE when the port broke its contract. */
+/* Calls each(arg, a worker's scratch, i) for points i = 0 .. n-1. Returns E_STATE when the port broke its contract. */
 typedef void smr_carry_each(const void *arg, smr_carry_site *s, uint32_t i);
 smr_status smr_carry_run(smr_carry *c, smr_carry_each *each, const void *arg, uint32_t n);
 

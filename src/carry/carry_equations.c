@@ -8,11 +8,11 @@
 #include "carry/carry.h"
 
 #define SMR_CARRY_WIDTH ((size_t)SMR_CARRY_NEAR)
-#define SMR_CARRY_PIVOT 3.0e-6f    /* smallest pivot, as a share of its diagonal element: with less, weight 0 */
-#define SMR_CARRY_NOTHING 1.0e-12f /* added to that smallest pivot, for a diagonal element of 0 */
-#define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH) /* C: variance of both parts together */
+#define SMR_CARRY_PIVOT 3.0e-6f    /* pivot / diagonal element at or below which a vertex gets no weight */
+#define SMR_CARRY_NOTHING 1.0e-12f /* added to the smallest pivot, which would be 0 with a diagonal element of 0 */
+#define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH) /* C: variance of smooth and rough part together */
 
-/* g, the growth of the variance with distance: 0 at distance 0, 1 + rough beyond both ranges. d2: squared, mm^2. */
+/* Returns g, the loss of covariance: 0 at distance 0, 1 + rough beyond both ranges. d2: squared distance, mm^2. */
 static inline float growth(const smr_carry *c, float d2)
 {
     const float r = SMR_SQRT(d2);
@@ -21,7 +21,7 @@ static inline float growth(const smr_carry *c, float d2)
            SMR_CARRY_ROUGH * (u * u * (10.0f + u * (-20.0f + u * (15.0f - 4.0f * u))));
 }
 
-/* Computes g of the distances from p to vertices first .. end-1. */
+/* Writes g[i], g of the distance from p to the site's vertex i, for i = first .. end-1. */
 static void growths(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t first, uint32_t end, float *g)
 {
     for (uint32_t i = first; i < end; i++) {
@@ -46,7 +46,7 @@ static void fill(const smr_carry *c, smr_carry_site *s)
     }
 }
 
-/* Computes L D L^T by columns: the rest of a row changes element by element, so that loops vectorise. */
+/* Computes the factors L D L^T column by column, so that compilers vectorise the inner loop. */
 void smr_carry_factor(const smr_carry *c, smr_carry_site *s)
 {
     float column[SMR_CARRY_NEAR], least[SMR_CARRY_NEAR];

@@ -27,7 +27,7 @@ smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, floa
     return SMR_OK;
 }
 
-/* Fits the linear map from rest to present differences: for corners d of a tetrahedron sum d d^T = 4/3 size^2 I. */
+/* Writes J, the linear map that takes the corners' rest offsets d to the present ones; sum d d^T = 4/3 size^2 I. */
 static void local_map(const float *rest, const float *now, float jacobian[9])
 {
     const smr_vec from = smr_load(rest), to = smr_load(now);
@@ -79,7 +79,7 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
     for (size_t i = 0; i < 9u * (size_t)n; i++)
         if (!smr_within(jacobians[i], 1.0e6f) || !smr_within(normals[i / 3u], 1.0e6f))
             return SMR_E_INPUT;
-    for (size_t i = 0; i < n; i++) { /* the normal times the cofactors of J: J^-T n up to length, and sign in folds */
+    for (size_t i = 0; i < n; i++) { /* multiplies the normal n by J's cofactor matrix, det(J) J^-T */
         const float *m = jacobians + 9u * i;
         const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
         const smr_vec normal = smr_load(normals + 3u * i);

@@ -7,30 +7,30 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 
-#define SMR_CARRY_STARTS 4u    /* number of vertices from which the inverse starts */
-#define SMR_CARRY_ROUNDS 30u   /* most Newton steps from a start */
-#define SMR_CARRY_HALVINGS 6u  /* most halvings of a step */
-#define SMR_CARRY_MET 2.0e-4f  /* mm: tolerance of the inverse, near the rounding of a coordinate */
-#define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant of the map's gradient with which a Newton step is computed */
+#define SMR_CARRY_STARTS 4u    /* number of vertices from which the search for the inverse starts */
+#define SMR_CARRY_ROUNDS 30u   /* largest number of Newton steps from each start */
+#define SMR_CARRY_HALVINGS 6u  /* largest number of times that a Newton step is halved */
+#define SMR_CARRY_MET 2.0e-4f  /* mm: |F(p) - q| at which p counts as the inverse of q; near coordinates' rounding */
+#define SMR_CARRY_FLAT 1.0e-3f /* determinant of a matrix at or below which undo() does not invert the matrix */
 
-/* Points being mapped. */
+/* Arguments of smr_carry_map(), which all tasks share. */
 typedef struct job {
     smr_carry *c;
     const float *now;      /* [n_vertices][3] present positions in the caller's order, mm */
-    smr_pose trend;        /* the similarity T */
-    const float *xyz;      /* [n][3] points, mm */
-    uint32_t inverse;      /* 1: the inverse is computed */
+    smr_pose trend;        /* similarity T from rest to present positions */
+    const float *xyz;      /* [n][3] points to map, mm */
+    uint32_t inverse;      /* 1: the inverse of the map is computed; 0: the map */
     float *out;            /* [n][3] mapped points, mm */
-    smr_carry_fact *facts; /* [n] facts on each point; NULL: not wanted */
+    smr_carry_fact *facts; /* [n] miss and volume change of each point; NULL: not wanted */
 } job;
 
 /* The map at a point p. */
 typedef struct value {
-    smr_vec at;        /* F(p), mm */
-    float gradient[9]; /* dF/dp, row-major */
+    smr_vec at;        /* mapped position F(p), mm */
+    float gradient[9]; /* derivative dF/dp, row-major */
 } value;
 
-/* The residual of a vertex after the trend T, mm. */
+/* Returns the residual of a vertex, mm: the present position minus the rest position mapped by T. */
 static smr_vec residual(const job *j, uint32_t id)
 {
     return smr_sub(smr_get3(j->now, j->c->item[id]), smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
@@ -51,7 +51,7 @@ static smr_vec weigh(const job *j, smr_carry_site *s)
     return first;
 }
 
-/* The gradient of g(|p - r|) at p, 1 / mm; r: rest position of the site's vertex i. */
+/* Returns the gradient of g(|p - r|) with respect to p, 1 / mm; r: rest position of the site's vertex i. */
 static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t i)
 {
     const smr_vec d = smr_sub(p, smr_carry_place(s, i));
@@ -61,7 +61,7 @@ static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uin
                                  SMR_CARRY_ROUGH * c->per_rough * c->per_rough * (rough * rough * rough)));
 }
 
-/* Computes the map and its gradient at p. The gradient leaves out that noise variances change with p. */
+/* Returns F(p) and its derivative at p. The derivative takes noise variances as constant, though they change with p. */
 static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
 {
     const smr_carry *c = j->c;
@@ -80,7 +80,7 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
         moved = smr_add(moved, smr_scale(w, s->side[i]));
         smr_add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
     }
-    /* the sum is relative to the nearest vertex, which maps exactly to its present position */
+    /* F(p) is computed relative to the nearest vertex, which maps exactly to its present position */
     const smr_vec rest = smr_sub(p, smr_carry_place(s, 0));
     v.at = smr_add(smr_get3(j->now, c->item[s->id[0]]), smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
     return v;
@@ -88,7 +88,7 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
 
 static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cross(smr_load(m + 3), smr_load(m + 6))); }
 
-/* Returns m^-1 v; v itself where m is singular or mirrored. */
+/* Returns m^-1 v, or v when m has a determinant <= SMR_CARRY_FLAT: nearly singular or mirrored. */
 static smr_vec undo(const float m[9], smr_vec v)
 {
     const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
@@ -113,14 +113,14 @@ static smr_carry_nearest starts(const job *j, smr_vec q)
     return f;
 }
 
-/* A candidate of the inverse. */
+/* A candidate for the inverse of the map at a wanted point. */
 typedef struct found {
-    smr_vec p;  /* position, mm from the centre */
-    value v;    /* the map at p */
+    smr_vec p;  /* position, mm from smr_carry.centre */
+    value v;    /* F(p) and the derivative at p */
     float miss; /* distance from F(p) to the wanted point, mm */
 } found;
 
-/* Evaluates the map at p; q: the wanted point, mm. */
+/* Returns p, limited to legal coordinates, as a candidate with F(p), dF/dp and the distance from F(p) to q, mm. */
 static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)
 {
     const float most = 4.0f * SMR_COORD_MAX;
@@ -131,7 +131,7 @@ static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)
     return f;
 }
 
-/* Improves a candidate by damped Newton steps. */
+/* Moves the candidate *best by damped Newton steps until F(best->p) is near q or no step comes nearer. */
 static void descend(const job *j, smr_carry_site *s, smr_vec q, found *best)
 {
     for (uint32_t round = 0; round < SMR_CARRY_ROUNDS && best->miss > SMR_CARRY_MET; round++) {
@@ -164,7 +164,7 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
     return best;
 }
 
-/* Maps point i, or computes its inverse, and writes the facts on it. */
+/* Writes the image of point i under the map, or under the inverse, and the facts on the point. */
 static void map(const void *arg, smr_carry_site *s, uint32_t i)
 {
     const job *j = arg;

@@ -4,13 +4,13 @@
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 
-#define SMR_CARRY_COARSE 600u /* most vertices of the thinnest selection */
+#define SMR_CARRY_COARSE 600u /* the thinnest selection has about this many vertices at most */
 #define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
-#define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance of two points */
+#define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance between two points */
 #define SMR_CARRY_NOISE 3.0e-4f   /* four times the noise variance of a vertex half-way to the farthest vertex */
-#define SMR_CARRY_END 1.0e-6f /* added to a divisor that is 0 at the selection's end: a share of the range, squared */
+#define SMR_CARRY_END 1.0e-6f     /* added to (1 - distance / range)^2, a divisor that is 0 at the range */
 
-/* Sets a selection of every stride-th of n vertices. Returns the number of nodes of the selection's tree. */
+/* Sets *t to every stride-th of n vertices, from `first` on. Returns the number of nodes of the selection's tree. */
 static uint32_t shape_one(smr_carry_thin *t, uint32_t n, uint32_t first, uint32_t stride, uint32_t take)
 {
     *t = (smr_carry_thin){.first = first, .stride = stride, .n = smr_ceil_div(n - first, stride), .take = take};
@@ -23,7 +23,7 @@ void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint3
     uint32_t ratio = 2u;
     *n_densities = n <= SMR_CARRY_NEAR ? 1u : SMR_CARRY_DENSITIES;
     *n_nodes = shape_one(&thin[0], n, 0, 1, n <= SMR_CARRY_NEAR ? SMR_CARRY_NEAR : SMR_CARRY_FIRST);
-    while (n / (ratio * ratio * ratio) > SMR_CARRY_COARSE) /* each selection is thinner by this ratio, at most 19 */
+    while (n / (ratio * ratio * ratio) > SMR_CARRY_COARSE) /* ratio: how many times thinner each selection is, <= 19 */
         ratio++;
     for (uint32_t k = 1, stride = ratio; k < *n_densities; k++, stride *= ratio)
         *n_nodes += shape_one(&thin[k], n, smr_min_u32(stride / 2u, n - 1u), stride, SMR_CARRY_MORE);
@@ -40,7 +40,7 @@ void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
         for (uint32_t axis = 0; axis < 3u; axis++) {
             t->groups.node[i / SMR_TREE_WIDTH].lo[axis][i % SMR_TREE_WIDTH] = SMR_FAR;
             t->groups.node[i / SMR_TREE_WIDTH].hi[axis][i % SMR_TREE_WIDTH] =
-                i < t->groups.n_triangles ? -SMR_FAR : SMR_FAR; /* boxes beyond the last group are empty */
+                i < t->groups.n_triangles ? -SMR_FAR : SMR_FAR; /* lo > hi: empty before vertices are added */
         }
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t group = i / SMR_TREE_WIDTH, k = group % SMR_TREE_WIDTH;
@@ -83,7 +83,7 @@ static void search(const smr_carry_thin *t, const float *rest, smr_carry_nearest
     const smr_box_tree *g = &t->groups;
     smr_visit stack[SMR_CARRY_STACK];
     uint32_t height = 0;
-    stack[height++] = (smr_visit){0.0f, g->n_levels, 0u}; /* level 0 is a group; level k + 1 is the tree's level k */
+    stack[height++] = (smr_visit){0.0f, g->n_levels, 0u}; /* visits: level 0 is a group, k + 1 the tree's level k */
     while (height > 0u) {
         const smr_visit at = stack[--height];
         float d2[SMR_TREE_WIDTH];
@@ -98,7 +98,7 @@ static void search(const smr_carry_thin *t, const float *rest, smr_carry_nearest
     }
 }
 
-/* Returns the noise variance of vertex i: 0 for the nearest one, huge for one as far as the first vertex left out. */
+/* Returns the noise variance of vertex i: 0 for the nearest vertex, huge as far off as the first vertex left out. */
 static float noise_variance(const smr_carry_nearest *f, uint32_t i)
 {
     if (f->n < f->most)
@@ -110,7 +110,7 @@ static float noise_variance(const smr_carry_nearest *f, uint32_t i)
     return SMR_CARRY_NOISE * square * square / (left * left + SMR_CARRY_END);
 }
 
-/* Adds a vertex, or lowers the noise variance of one that another selection has added. */
+/* Adds vertex `id` to the site. If another selection has added the vertex, the smaller noise variance is kept. */
 static void add(const smr_carry *c, smr_carry_site *s, uint32_t id, float noise_variance)
 {
     uint32_t k = 0;
@@ -132,7 +132,7 @@ void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s)
     s->n = 0;
     for (uint32_t k = 0; k < c->n_densities; k++) {
         const smr_carry_thin *t = &c->thin[k];
-        smr_carry_nearest f = {.p = p, .most = t->take + 1u}; /* the last vertex marks the end of the selection */
+        smr_carry_nearest f = {.p = p, .most = t->take + 1u}; /* the last vertex only marks where the range ends */
         search(t, c->rest, &f);
         for (uint32_t i = 0; i < smr_min_u32(f.n, t->take); i++)
             add(c, s, f.id[i], noise_variance(&f, i));

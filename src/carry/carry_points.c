@@ -8,31 +8,31 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 
-#define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part, as a share of the rest box' diagonal */
-#define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part, in mean distances of neighbours along the curve */
-#define SMR_CARRY_LEAST 1.0e-6f      /* smallest diagonal, mm, and smallest range as a share of the diagonal */
+#define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part / diagonal of the rest shape's box */
+#define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part / mean distance of successive vertices on the curve */
+#define SMR_CARRY_LEAST 1.0e-6f      /* least diagonal of the box, mm; least range of the rough part / diagonal */
 
-/* Points being bound, with scratch. */
+/* Arguments and scratch of smr_carry_fit(), which binds points. */
 typedef struct binding {
     smr_carry *c;
-    uint32_t *key;       /* [n_vertices] keys along the curve */
-    uint32_t *tmp;       /* [2 n_vertices] scratch of the sort by these keys */
+    uint32_t *key;       /* [n_vertices] sort key of each vertex: place along the Hilbert curve */
+    uint32_t *tmp;       /* [2 n_vertices] scratch of the sort by `key` */
     const float *points; /* [n_points][3] points to bind, mm */
 } binding;
 
-/* Bound points being moved. */
+/* Arguments of smr_carry_apply(), which moves bound points. */
 typedef struct motion {
     smr_carry *c;
     const float *now; /* [n_vertices][3] present positions in the caller's order, mm */
-    smr_pose trend;   /* the similarity T */
+    smr_pose trend;   /* similarity T from rest to present positions */
     float *out;       /* [n_points][3] present positions of the points, mm */
 } motion;
 
-/* Points in chunks, each a task. */
+/* Arguments of smr_carry_run(), whose tasks handle SMR_CARRY_CHUNK points each. */
 typedef struct chunks {
     smr_carry *c;
-    smr_carry_each *each; /* called for each point */
-    const void *arg;      /* passed to each() */
+    smr_carry_each *each; /* function that is called for each point */
+    const void *arg;      /* first argument of each() */
     uint32_t n;           /* number of points */
 } chunks;
 
@@ -89,7 +89,7 @@ smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_wo
     return SMR_OK;
 }
 
-/* Orders the vertices along the curve, sets the ranges of the covariance, and builds the trees of boxes. */
+/* Orders the vertices along a Hilbert curve, sets the ranges of the covariance, and fits the boxes of all trees. */
 static void number(const binding *b, const float *rest)
 {
     smr_carry *c = b->c;
@@ -112,7 +112,7 @@ static void number(const binding *b, const float *rest)
         smr_carry_boxes(&c->thin[k], c->rest);
 }
 
-/* Binds point i: finds the vertices near the point and their coefficients. */
+/* Binds point i: writes the vertices near the point, their coefficients, and the remaining part that T maps. */
 static void bind(const void *arg, smr_carry_site *s, uint32_t i)
 {
     const binding *b = arg;
@@ -193,7 +193,7 @@ smr_status smr_carry_check(const smr_carry *c, const float *now)
     return smr_all_within(now, 3u * (size_t)c->n_vertices, SMR_COORD_MAX) ? SMR_OK : SMR_E_INPUT;
 }
 
-/* Writes the present position of point i, mm: computed relative to the nearest vertex, which limits rounding. */
+/* Writes the present position of point i, mm. The sum is relative to the nearest vertex, which limits rounding. */
 static void apply(const void *arg, SMR_UNUSED smr_carry_site *s, uint32_t i)
 {
     const motion *m = arg;

@@ -4,21 +4,21 @@
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 
-#define SMR_EDGE_NEAR 3u   /* number of samples on either side of the surface in which the reference's edge is sought */
-#define SMR_EDGE_MIN 0.08f /* least slope of the reference's edge, in ranges of the profile per sample */
-#define SMR_STEEP 3.0f     /* slope of the edges that are worth most, as a multiple of the reference edge's slope */
+#define SMR_EDGE_NEAR 3u   /* largest distance of the reference profile's edge from the surface, in samples */
+#define SMR_EDGE_MIN 0.08f /* least slope of a usable reference edge, in units of the profile's range per sample */
+#define SMR_STEEP 3.0f     /* slope / slope of the reference's edge at which edge_worth() is largest */
 
-/* Returns the slope of the packed profile p at sample k, in ranges of the profile per sample. */
+/* Returns the slope of the packed profile p at sample k, in units of the profile's range per sample. */
 static float slope_at(const uint8_t *p, uint32_t k) { return ((float)p[k + 1u] - (float)p[k - 1u]) * (0.5f / 255.0f); }
 
 /* The edge of the reference profile. */
 typedef struct edge {
-    float slope;  /* slope, in ranges of the profile per sample; its sign is the polarity; 0: no edge */
-    float level;  /* brightness at the steepest sample, in units of the profile's range */
+    float slope;  /* slope, profile's ranges per sample; > 0: brighter outwards; 0: no edge */
+    float level;  /* brightness at the edge, 0 .. 1: the profile's lowest .. highest intensity */
     float beyond; /* distance from the surface to the edge, samples, outwards positive */
 } edge;
 
-/* Returns the steepest edge within SMR_EDGE_NEAR samples of the surface, sample `zero`. */
+/* Returns the steepest edge of a packed profile within SMR_EDGE_NEAR samples of sample `zero`, which is the surface. */
 static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
 {
     edge own = {0.0f, 0.0f, 0.0f};
@@ -38,15 +38,15 @@ static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
     return own;
 }
 
-/* Returns the worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter: above 1, which
- * is full confidence, from about half as steep on; most at SMR_STEEP. Much steeper edges belong to other tissue. */
+/* Returns the worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter: above 1, that
+ * is full confidence, if steep > about 0.5; largest at steep = SMR_STEEP. Steeper edges belong to other tissue. */
 static float edge_worth(float steep, float lighter)
 {
     const float over = steep * (1.0f / SMR_STEEP);
     return 2.0f * steep / ((1.0f + over * over) * (1.0f + lighter * lighter));
 }
 
-/* Returns 1 when a sample and two samples on either side lie inside the image; in: address of the sample's flag. */
+/* Returns 1 when a sample and two samples on either side lie inside the image; in: address of this sample's flag. */
 static int five_inside(const uint8_t *in) { return in[-2] && in[-1] && in[0] && in[1] && in[2]; }
 
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const uint8_t *inside,

@@ -6,8 +6,8 @@
 
 #include "base/vec.h"
 
-#define SMR_PROFILE_MAX 64u /* most samples of a reference profile */
-#define SMR_LINE_MAX 320u   /* most samples of a searched line */
+#define SMR_PROFILE_MAX 64u /* largest number of samples of a reference profile */
+#define SMR_LINE_MAX 320u   /* largest number of samples of a line that is searched */
 
 /* A goal position found along a line of image samples. */
 typedef struct smr_peak {
@@ -18,35 +18,35 @@ typedef struct smr_peak {
 /* A reference profile: the intensity of sample k is low + value[k] * range / 255. */
 typedef struct smr_profile {
     const uint8_t *value; /* [n] packed intensities */
-    float low, range;     /* intensities; range 0: the profile is flat or partly outside and never gives a goal */
-    uint32_t n;           /* samples, at most SMR_PROFILE_MAX */
+    float low, range;     /* lowest intensity; highest minus lowest one. range 0: flat or partly outside, no goal */
+    uint32_t n;           /* number of samples, at most SMR_PROFILE_MAX */
 } smr_profile;
 
-/* Packs n intensities into value[n], low and range of an smr_profile. */
+/* Packs the intensities value[n] into packed[n], *low and *range, which are the fields of an smr_profile. */
 void smr_profile_pack(const float *value, const uint8_t *inside, uint32_t n, uint8_t *packed, float *low, float *range);
 
-/* The similarity measure of profiles. */
+/* How smr_profile_match() measures the similarity of profiles. */
 typedef struct smr_similarity {
     uint32_t kind;  /* SMR_SIMILARITY_... */
-    float noise;    /* noise level, intensity; concordance ignores lower contrast */
-    float nearer;   /* loss of score at the end offsets; it falls with the squared distance to 0 at the middle offset */
-    uint32_t plain; /* 1: any match has the confidence 1 */
+    float noise;    /* noise level, intensity: concordance of lower contrasts is near 0 */
+    float nearer;   /* score subtracted at the first and last offset; less near the middle: * (distance / half)^2 */
+    uint32_t plain; /* 1: a match has the confidence 1 whatever its score */
 } smr_similarity;
 
-/* Finds the offset 0 .. m - n at which the reference, of n samples, is most similar to line[m]. Returns a peak with
- * confidence 0 without a match. Correlation does not depend on the reference's low and range. */
+/* Returns the offset 0 .. m - n at which the reference, of n samples, is most similar to line[m]. Without a match the
+ * confidence is 0. With correlation the result does not depend on the reference's low and range. */
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const uint8_t *inside, uint32_t m,
                            const smr_similarity *how);
 
-/* Finds the best edge within `reach` samples of line sample `centre`: an edge of the reference edge's polarity and
- * similar brightness, steep, and near. The reference edge is the reference's steepest edge near its sample `zero`, the
+/* Returns the goal by the best edge within `reach` samples of line sample `centre`: the reference edge's polarity and
+ * similar brightness, steep, near. The reference edge is the reference's steepest edge near its sample `zero`, the
  * surface. The goal is as far from the best edge as `zero` is from the reference edge. Confidence 0: no edge. */
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const uint8_t *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
-/* Finds the steepest sample within `reach` samples of sample `centre` (paper 3). Confidence 1; 0 on a constant line. */
+/* Returns the steepest place within `reach` samples of sample `centre` (paper 3). Confidence 1; on constant lines 0. */
 smr_peak smr_steepest(const float *line, const uint8_t *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
-/* Returns the place, relative to the middle one, of the maximum of a parabola through three values, -0.5 .. 0.5. */
+/* Returns where a parabola through three successive values has its maximum: -0.5 .. 0.5 samples from the middle one. */
 static inline float smr_parabola_peak(float before, float at, float after)
 {
     const float bend = before - 2.0f * at + after;

@@ -6,13 +6,13 @@
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 
-#define SMR_LEVEL 0.1f        /* weight of a difference in mean brightness */
-#define SMR_SCORE_LOW -0.999f /* lowest score of a window; -1 marks windows with samples outside the image */
-#define SMR_SCORE_MIN 0.3f    /* scores up to this have confidence 0 */
-#define SMR_APART 4u          /* samples: least distance between first and second peak */
-#define SMR_DISTINCT 5.0f     /* factor of the confidence per difference in score between first and second peak */
-#define SMR_DISTINCT_MIN 0.2f /* lowest factor of the confidence */
-#define SMR_FLAT 1.0e-30f     /* intensity: smaller ranges count as 0, so that 255 / range stays finite */
+#define SMR_LEVEL 0.1f        /* weight of the squared difference in mean brightness in the concordance */
+#define SMR_SCORE_LOW -0.999f /* lowest score of a window inside the image; -1 marks windows partly outside */
+#define SMR_SCORE_MIN 0.3f    /* score at or below which a match has the confidence 0 */
+#define SMR_APART 4u          /* smallest distance between first and second peak, samples */
+#define SMR_DISTINCT 5.0f     /* confidence factor / (score of the first peak minus score of the second), up to 1 */
+#define SMR_DISTINCT_MIN 0.2f /* lowest factor on the confidence for a second peak as high as the first */
+#define SMR_FLAT 1.0e-30f     /* intensity: ranges at or below count as 0, so that 255 / range is finite */
 
 void smr_profile_pack(const float *value, const uint8_t *inside, uint32_t n, uint8_t *packed, float *low, float *range)
 {
@@ -42,22 +42,22 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
     return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
 }
 
-#define SMR_SIDE 32u /* largest number of offsets scored together, in loops that compilers vectorise */
-#define SMR_WIDTH 4u /* the number of offsets scored together is a multiple of this */
+#define SMR_SIDE 32u /* largest number of offsets whose scores one vectorised loop computes */
+#define SMR_WIDTH 4u /* loops that score offsets take a multiple of this many offsets */
 
 /* Running sums over the samples of one window. */
 typedef struct running {
     float sum, square; /* sums of the samples, and of their squares */
-    uint32_t missing;  /* samples outside the image */
+    uint32_t missing;  /* number of the window's samples outside the image */
 } running;
 
-/* Running sums at neighbouring offsets. */
+/* Sums over the samples of the windows at successive offsets: values, squares, samples outside the image. */
 typedef struct windows {
     float sum[SMR_SIDE], square[SMR_SIDE];
     uint32_t missing[SMR_SIDE];
 } windows;
 
-/* Moves the running sums r from offset o - 1 to o + m - 1; writes to w the sums at offsets o .. o + m - 1. */
+/* Moves r, the sums over a window of n samples, from offset o - 1 to o + m - 1. Writes the sums at each offset to w. */
 static void slide(running *r, const float *line, const uint8_t *inside, uint32_t n, uint32_t o, uint32_t m, windows *w)
 {
     for (uint32_t i = 0; i < m; i++) {
@@ -75,12 +75,12 @@ static void slide(running *r, const float *line, const uint8_t *inside, uint32_t
 
 /* Parameters of all scores of one profile. */
 typedef struct scoring {
-    float ref_norm;   /* root of the sum of squares of the reference, relative to its mean, in units of its range */
-    float noise2;     /* squared noise in units of the reference's range */
-    float n;          /* samples of the reference */
-    float middle;     /* the offset halfway */
+    float ref_norm;   /* root of the reference's sum of squared deviations from its mean, in units of its range */
+    float noise2;     /* squared noise level in units of the reference's range */
+    float n;          /* number of samples of the reference */
+    float middle;     /* offset halfway between the first and the last one */
     float per_sample; /* 1 / middle */
-    float nearer;     /* smr_similarity.nearer */
+    float nearer;     /* score subtracted at the first and the last offset */
 } scoring;
 
 /* Writes score[i], the score of the window at offset o + i, i < count; -1 where samples lie outside the image. */
@@ -95,7 +95,7 @@ static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint3
     }
 }
 
-/* Writes dot[i], the sum over k of ref[k] line[k + i], added in the order of k. */
+/* Writes dot[i], i < count: the sum of ref[k] * line[k + i] for k = 0 .. n-1, added in the order of k. */
 static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
 {
     memset(dot, 0, count * sizeof *dot);
@@ -104,7 +104,7 @@ static void dots(const float *ref, uint32_t n, const float *line, uint32_t count
             dot[i] += ref[k] * line[k + i];
 }
 
-/* Writes score[o] at every offset o. line and score have room for SMR_WIDTH - 1 more values. */
+/* Writes score[o], the similarity at each offset o. line and score have room for SMR_WIDTH - 1 more values. */
 static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line,
                       const uint8_t *inside, uint32_t offsets, float *score)
 {
@@ -121,7 +121,7 @@ static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_
         const uint32_t some = smr_min_u32(offsets - o, SMR_SIDE), count = smr_ceil_div(some, SMR_WIDTH) * SMR_WIDTH;
         slide(&r, line, inside, n, o, some, &w);
         dots(ref, n, line + o, count, dot);
-        if (kind == SMR_SIMILARITY_SSD) /* one loop without branches for each measure */
+        if (kind == SMR_SIMILARITY_SSD) /* each measure has its own loop without branches */
             score_side(SMR_SIMILARITY_SSD, s, o, count, dot, &w, score + o);
         else if (kind == SMR_SIMILARITY_CONCORDANCE)
             score_side(SMR_SIMILARITY_CONCORDANCE, s, o, count, dot, &w, score + o);
@@ -130,7 +130,7 @@ static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_
     }
 }
 
-/* Returns the highest local maximum of score[from .. to-1], without branches; -1 for none. peak[to]: scratch. */
+/* Returns the highest local maximum of score[from .. to-1]; -1: there is none. peak[to]: scratch. */
 static float highest_peak(const float *score, uint32_t from, uint32_t to, float *peak)
 {
     float highest = -1.0f;
@@ -144,7 +144,7 @@ static float highest_peak(const float *score, uint32_t from, uint32_t to, float 
 }
 
 /* Returns the offset with the highest score, refined by a parabola through its neighbours. The confidence grows with
- * the score and with the difference from the second peak's score. plain: any match has the confidence 1. */
+ * the score and with the difference from the second peak's score. plain: a match always has the confidence 1. */
 static smr_peak peak_of(const float *score, uint32_t offsets, uint32_t plain, float *scratch)
 {
     uint32_t best = 0;

@@ -5,12 +5,12 @@
  * SPDX-License-Identifier: MIT */
 #include "image/tangential_shift.h"
 
-#define SMR_FARTHEST2 1.0e30f  /* mm^2: larger squared displacements, and NaN, come from values that no image has */
-#define SMR_NORMAL_ALONG 0.6f  /* x component of a normal below which its cross product with the x axis is long */
-#define SMR_CONTRAST_MOST 4.0f /* largest contrast returned */
-#define SMR_ROUNDING 1.0e-4f   /* damping as a share of the squared slopes: a hundred times the sums' rounding error */
+#define SMR_FARTHEST2 1.0e30f  /* mm^2: larger squared displacements, and NaN, count as no displacement */
+#define SMR_NORMAL_ALONG 0.6f  /* |x| of a normal below which its cross product with the x axis is long enough */
+#define SMR_CONTRAST_MOST 4.0f /* largest contrast that smr_contrast() returns */
+#define SMR_ROUNDING 1.0e-4f   /* damping / sum of squared slopes: a hundred times the rounding error of the sum */
 
-/* Subtracts from n values their mean, because brightness differs between images of one kind. */
+/* Subtracts the mean of value[n] from each value, because brightness differs between images of one kind. */
 static void subtract_mean(float *value, uint32_t n)
 {
     float sum = 0.0f;
@@ -21,8 +21,8 @@ static void subtract_mean(float *value, uint32_t n)
         value[k] -= mean;
 }
 
-/* Writes slope[k]: the image's change per mm along the unit vector `side` at sample k, divided by the reference's
- * range, minus the mean of all slopes. Returns 0 when samples lie outside the image. */
+/* Writes slope[k]: the change of the image per mm along the unit vector `side` at sample k, divided by the reference's
+ * range, minus the mean of all slopes. Returns 0 when a sample lies outside the image. */
 static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
 {
     float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
@@ -48,7 +48,7 @@ static float product(const float *a, const float *b, uint32_t n)
     return sum;
 }
 
-/* Writes reference and image values to ref[n] and here[n], minus their means, divided by the reference's range. */
+/* Writes the reference's and the image's intensities, less their means, divided by the reference's range. */
 static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
 {
     for (uint32_t k = 0; k < reference->n; k++) {

@@ -10,18 +10,18 @@
 typedef struct smr_place {
     const smr_profile *reference;
     smr_vec start, spacing; /* the first sample's position, and the vector from one sample to the next, mm */
-    smr_vec normal;         /* unit vector along spacing */
+    smr_vec normal;         /* unit normal of the surface, along `spacing` */
     const float *found;     /* [reference->n] intensities of the image at the samples */
-    float gain;             /* contrast of the image relative to the reference's (smr_contrast) */
-    float noise;            /* noise level, intensity; lower contrast is ignored */
-    float reach_mm;         /* > 0: distance, mm, of the four lines beside this line, and longest shift */
+    float gain;             /* contrast of the image divided by that of the reference (smr_contrast) */
+    float noise;            /* noise level, intensity: shifts that such noise could cause are damped */
+    float reach_mm;         /* mm, > 0: distance of four other lines from this line; longest shift */
 } smr_place;
 
-/* Returns the standard deviation of found[reference->n] divided by that of the reference, 0 .. 4, never NaN. */
+/* Returns the standard deviation of found[reference->n] divided by the reference's, limited to 0 .. 4, never NaN. */
 float smr_contrast(const smr_profile *reference, const float *found);
 
-/* Returns the displacement perpendicular to the normal, mm, at most reach_mm, after which the image agrees best with
- * the reference. 0 where the image does not change along the surface, or where samples lie outside the image. */
+/* Returns the displacement across the normal, mm, at most at->reach_mm long, after which the image agrees best with
+ * the reference. 0 where the image does not change along the surface, or where a sample lies outside the image. */
 smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at);
 
 #endif

@@ -7,10 +7,10 @@
 
 #define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis */
 #define SMR_VOXELS_MAX ((uint64_t)1 << 40)
-#define SMR_NOT_UNIT 0.01f /* tolerance of a direction's squared length */
-#define SMR_HUGE 1.0e30f   /* a sample with a larger interpolated value counts as outside */
+#define SMR_NOT_UNIT 0.01f /* largest |squared length - 1| of a direction */
+#define SMR_HUGE 1.0e30f   /* intensity: a sample of larger absolute value counts as outside the image */
 
-/* Writes the inverse of m. Returns 0 when m is nearly singular. */
+/* Writes the inverse of the row-major matrix m. Returns 0 when m is nearly singular. */
 static int invert3(const float m[9], float out[9])
 {
     const smr_vec a = smr_load(m), b = smr_load(m + 3), c = smr_load(m + 6);
@@ -40,7 +40,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
             return SMR_E_INPUT;
         voxels *= volume->size[a];
         const smr_vec axis = smr_v(volume->direction[a], volume->direction[3u + a], volume->direction[6u + a]);
-        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* some files multiply the axis by the spacing */
+        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* some files' axes have the length of the spacing */
             return SMR_E_INPUT;
     }
     if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
@@ -51,7 +51,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
     return SMR_OK;
 }
 
-#define SMR_BATCH 32u /* samples in a batch */
+#define SMR_BATCH 32u /* number of samples that one batch interpolates */
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
@@ -66,22 +66,22 @@ static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing)
     return l;
 }
 
-/* The cells of a batch of samples, for each axis and sample. */
+/* Where each sample of a batch lies between voxels, for each axis. */
 typedef struct cells {
-    int32_t lower[3][SMR_BATCH];  /* index of the lower voxel */
-    float fraction[3][SMR_BATCH]; /* position between lower and upper voxel, 0 .. 1 */
+    int32_t lower[3][SMR_BATCH];  /* index, along the axis, of the voxel at or below the sample */
+    float fraction[3][SMR_BATCH]; /* distance from the lower voxel / distance between voxels, 0 .. 1 */
 } cells;
 
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
-    size_t row, slice; /* from one row to the next, and from one slice to the next */
+    size_t row, slice; /* from one row to the next; from one slice to the next */
     size_t dx, dy, dz; /* from a lower voxel to the upper one along each axis; 0 for an axis of one voxel */
 } strides;
 
-/* Returns 1 when index coordinate `at` lies inside an axis of n voxels. */
+/* Returns 1 when the index coordinate `at` lies inside an axis of n voxels. */
 static int on_axis(float at, uint32_t n) { return n == 1u ? smr_within(at, 0.5f) : at >= 0 && at <= (float)(n - 1u); }
 
-/* Shrinks the run of samples *from .. *to - 1 to the samples inside the volume along one axis. */
+/* Shrinks the run of samples *from .. *to - 1 to those inside an axis of `size` voxels. */
 static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
 {
     while (*from < *to && !on_axis(first + move * (float)*from, size))
@@ -90,7 +90,7 @@ static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_
         --*to;
 }
 
-/* Finds the cells of samples k .. k+n-1, all inside the volume. */
+/* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
 static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t n, cells *c)
 {
     for (uint32_t axis = 0; axis < 3u; axis++) {
@@ -110,13 +110,13 @@ static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t 
     }
 }
 
-/* Returns the memory index of the lowest voxel of sample i's cell. */
+/* Returns the index in memory of the lowest of the eight voxels around sample i. */
 static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
 {
     return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
 }
 
-/* Defines a function that interpolates a batch in voxels of `type`, gathered as `number`, which compilers vectorise. */
+/* Defines a function that interpolates n samples in voxels of `type`, gathered as `number`, which vectorises. */
 #define SMR_TRILINEAR(name, type, number)                                                                              \
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
@@ -150,7 +150,7 @@ SMR_TRILINEAR(sample_uint16, uint16_t, int32_t)
 SMR_TRILINEAR(sample_int16, int16_t, int32_t)
 SMR_TRILINEAR(sample_float, float, float)
 
-/* Writes value[i], the interpolated intensity of sample i of the batch. */
+/* Writes value[i], the interpolated intensity of sample i of the batch, i < n. */
 static void sample(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value)
 {
     switch (v->type) {
@@ -162,14 +162,14 @@ static void sample(const smr_volume *v, const cells *c, const strides *d, uint32
     }
 }
 
-/* Returns 1 when the mask is 0 at any of a cell's eight voxels; lo: address of the mask at the cell's lowest voxel. */
+/* Returns 1 when the mask is 0 at any of the eight voxels around a sample; lo: the mask at the lowest of the eight. */
 static int masked(const uint8_t *lo, const strides *d)
 {
     const uint8_t *m = lo + d->dz;
     return !(lo[0] && lo[d->dx] && lo[d->dy] && lo[d->dx + d->dy] && m[0] && m[d->dx] && m[d->dy] && m[d->dx + d->dy]);
 }
 
-/* Sets value and inside to 0 where the mask is 0 or the value is NaN or too large. Returns the number left inside. */
+/* Sets value and inside to 0 where the mask is 0 or a value is NaN or huge. Returns the number of samples inside. */
 static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value, uint8_t *inside)
 {
     uint32_t left = n;
@@ -205,7 +205,7 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     return count;
 }
 
-#define SMR_AHEAD 2u /* samples from one prefetch to the next: voxels are mostly larger than the samples' distance */
+#define SMR_AHEAD 2u /* every SMR_AHEAD-th sample is prefetched: voxels are mostly larger than the samples' distance */
 
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n)
 {

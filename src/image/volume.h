@@ -5,13 +5,13 @@
 
 #include "base/vec.h"
 
-/* A validated volume and the map from world to voxel coordinates. */
+/* A validated image volume and the map from world to index coordinates. */
 typedef struct smr_grid {
     smr_volume volume;
-    float to_index[9]; /* index = to_index (world - origin) */
+    float to_index[9]; /* row-major: index coordinates = to_index (world - origin) */
 } smr_grid;
 
-/* Checks everything but the voxels' values, and computes the map. Errors: E_NULL, E_INPUT. */
+/* Checks everything but the voxels' values, and fills *grid. Errors: E_NULL, E_INPUT. */
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid);
 
 /* Interpolates n samples at start + k * spacing, k = 0 .. n - 1, world mm. inside[k] and value[k] are 0 where a sample
