@@ -6,15 +6,15 @@
 #include "base/bytes.h"
 #include "start/align/align.h"
 
-#define SMR_AGREE 0.1f   /* least cosine between the normals of a pair */
-#define SMR_MOSTLY 0.4f  /* share of a side's samples that is assumed to match */
-#define SMR_LIMIT 5.7f   /* outlier limit / largest distance of that share: three deviations, if half-normal */
-#define SMR_LEAST 0.045f /* smallest outlier limit, as a share of the smaller spread: less would keep wrong poses */
-#define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
-#define SMR_STEADY 16u        /* rounds before a refinement may end early: the end depends on rounding */
-#define SMR_STAGNANT 0.9995f  /* a round that leaves more than this share of the mean square distance is the last */
+#define SMR_AGREE 0.1f        /* smallest cosine between the normals of a sample and its closest point */
+#define SMR_MOSTLY 0.4f       /* share of a side's samples that is assumed to match the other side */
+#define SMR_LIMIT 5.7f        /* outlier limit / quantile SMR_MOSTLY of distances: three deviations, if half-normal */
+#define SMR_LEAST 0.045f      /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
+#define SMR_UNTRIMMED 1.0e15f /* mm: outlier limit that no pair exceeds; its square still fits a float */
+#define SMR_STEADY 16u        /* smallest number of rounds before a refinement may end early, which rounding affects */
+#define SMR_STAGNANT 0.9995f  /* sum of squared distances / least sum so far above which a round is the last */
 
-/* Called once in this file: from two calls a compiler makes a vector of divisions, whose unused lanes trap on 0 / 0. */
+/* Returns the inverse of *p. One call in this file only: compilers vectorise two, whose unused lanes trap on 0 / 0. */
 smr_pose smr_pose_invert(const smr_pose *p)
 {
     const float inverse = 1.0f / smr_dot(smr_column(p, 0), smr_column(p, 0));
@@ -26,7 +26,7 @@ smr_pose smr_pose_invert(const smr_pose *p)
     return q;
 }
 
-/* Finds the closest points of one side's samples on the other side. scale: of the pose from model to target. */
+/* Writes the closest points of one side's samples on the other side. scale: mm of the target in a mm of `to`. */
 static void find(const smr_align_side *from, const smr_align_side *to, const smr_pose *pose, uint32_t samples,
                  float scale, float far2)
 {
@@ -57,7 +57,7 @@ void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
     find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2);
 }
 
-/* The quantile of a side's squared distances, mm^2; found byte by byte, since bits of floats >= 0 sort as floats. */
+/* Returns a quantile of a side's squared distances, mm^2, by a radix search: bits of floats >= 0 sort as floats. */
 static float quantile(const smr_aligner *a, uint32_t side, float share)
 {
     uint32_t rank = smr_min_u32((uint32_t)(share * (float)a->used), a->used - 1u), found = 0, mask = 0;
@@ -126,7 +126,7 @@ float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES])
     return SMR_SQRT(sum / all);
 }
 
-/* Adds a side's pairs, the model's point first, to the fit. Returns the weighted sum of squared distances, mm^2. */
+/* Adds the pairs of one side to the fit from model to target. Returns the weighted sum of squared distances, mm^2. */
 static float collect(const smr_aligner *a, uint32_t side, float limit, int mirrored, smr_fit *fit)
 {
     const smr_align_side *from = &a->side[side];
@@ -167,8 +167,8 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
         smr_pose next = smr_fit_solve(&fit, scaled);
         const float size = smr_pose_scale(&next);
         if (!(size > 0.1f && size < 10.0f))
-            return 0;                                 /* the scale collapses onto a small area of the target */
-        for (uint32_t r = 0; r < 3u && mirrored; r++) /* the mirrored model's pose becomes one of the model itself */
+            return 0;                                 /* the model shrinks onto a small area, or the reverse */
+        for (uint32_t r = 0; r < 3u && mirrored; r++) /* adds the mirroring in x to the fitted pose */
             next.m[r][0] = -next.m[r][0];
         *pose = next;
     }

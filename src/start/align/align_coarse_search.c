@@ -9,14 +9,14 @@
 #include "start/align/align.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_COARSE_LANES 8u    /* pairs that a vectorised loop computes together */
-#define SMR_COARSE_LIMIT 0.15f /* matching limit, as a share of the smaller spread: above the samples' spacing */
-#define SMR_ALONG 0.3f         /* weight of the squared distance along the surface */
-#define SMR_CUBE 24u           /* rotations of a cube */
-#define SMR_TURNS 8u           /* further rotations, each after all rotations of the cube */
+#define SMR_COARSE_LANES 8u    /* number of pairs that a vectorised loop computes together */
+#define SMR_COARSE_LIMIT 0.15f /* distance beyond which samples do not match / smaller spread; above their spacing */
+#define SMR_ALONG 0.3f         /* weight of the squared distance along the surface, where the distance across has 1 */
+#define SMR_CUBE 24u           /* number of rotations of a cube */
+#define SMR_TURNS 8u           /* number of further rotations; each is combined with all rotations of the cube */
 #define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
 #define SMR_DIAG 0.604599788f  /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
-#define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's end, as a share of its length, for rounding */
+#define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's ends / its length, for rounding */
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
 {
@@ -39,15 +39,15 @@ void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
     }
 }
 
-/* Sample i of a side, mm; the model's is rotated by the pose, but not translated. */
+/* Returns the position of sample i of a side, mm; the pose rotates and scales, but does not shift, the model's. */
 static smr_vec coarse_point(const smr_coarse *c, uint32_t side, uint32_t i, const smr_pose *pose)
 {
     const smr_vec p = smr_v(c->x[side][0][i], c->x[side][1][i], c->x[side][2][i]);
     return side == SMR_MODEL ? smr_pose_turn(pose, p) : p;
 }
 
-/* Pairs a sample of the model, moved by the pose, with all samples of the target. best[]: smallest cost of each target
- * sample so far, mm^2. Returns the model sample's cost, mm^2. Lanes let the loop vectorise. */
+/* Compares p, a sample of the model moved by the pose, with all of the target. best[]: smallest cost of each target
+ * sample so far, mm^2. Returns the smallest cost of p, mm^2. Lanes let compilers vectorise the loop. */
 static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR_COARSE])
 {
     const float(*t)[SMR_COARSE] = c->x[SMR_TARGET];
@@ -72,7 +72,7 @@ static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR
     return least;
 }
 
-/* Returns the cost of a pose by the coarse samples; its range is that of smr_pairs_cost(). */
+/* Returns the cost of a pose by the coarse samples, 0 .. 1.5. 0: all samples match; 1.5: none does. */
 static float coarse_cost(const smr_coarse *c, const smr_pose *pose)
 {
     const float(*m)[SMR_COARSE] = c->x[SMR_MODEL];
@@ -91,7 +91,7 @@ static float coarse_cost(const smr_coarse *c, const smr_pose *pose)
     return smr_cost_of_sides(sum[SMR_MODEL] / most, sum[SMR_TARGET] / most);
 }
 
-/* The k-th of the 24 rotations of a cube: axis permutations with signs whose determinant is 1. */
+/* Writes the k-th of the 24 rotations of a cube: a permutation of axes with signs whose determinant is 1. */
 static void cube_rotation(uint32_t k, float g[9])
 {
     static const unsigned char permutation[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
@@ -104,7 +104,7 @@ static void cube_rotation(uint32_t k, float g[9])
     g[6 + p[2]] = a * b * odd;
 }
 
-/* Computes the matrix product out = a b. */
+/* Writes the product a b of two row-major matrices to out. */
 static void multiply(const float a[9], const float b[9], float out[9])
 {
     for (uint32_t i = 0; i < 9u; i++) {
@@ -113,20 +113,20 @@ static void multiply(const float a[9], const float b[9], float out[9])
     }
 }
 
-/* The k-th rotation of the search, B C T A^T: A and B are the axes of model and target, C a cube's rotation, T the
+/* Sets the k-th rotation of the search, B C T A^T: A and B are the axes of model and target, C a cube's rotation, T the
  * further rotation, which for the mirror image also reflects the model's longest axis. */
 static void set_rotation(const smr_aligner *a, uint32_t k, float scale, int mirrored, smr_pose *pose)
 {
     static const float turn[3][SMR_TURNS] = {
         {0, SMR_EDGE, 0, 0, SMR_DIAG, -SMR_DIAG, SMR_DIAG, SMR_DIAG},
         {0, 0, SMR_EDGE, 0, SMR_DIAG, SMR_DIAG, -SMR_DIAG, SMR_DIAG},
-        {0, 0, 0, SMR_EDGE, SMR_DIAG, SMR_DIAG, SMR_DIAG, -SMR_DIAG}}; /* x, y and z of rotation vectors */
+        {0, 0, 0, SMR_EDGE, SMR_DIAG, SMR_DIAG, SMR_DIAG, -SMR_DIAG}}; /* x, y, z of rotation vectors, radians */
     const float *from = a->side[SMR_MODEL].axes;
     const float back[9] = {from[0], from[3], from[6], from[1], from[4], from[7], from[2], from[5], from[8]};
     float c[9], t[9], ct[9], bct[9], r[9];
     cube_rotation(k % SMR_CUBE, c);
     const uint32_t further = k / SMR_CUBE;
-    smr_rodrigues(smr_v(turn[0][further], turn[1][further], turn[2][further]), t); /* T - I */
+    smr_rodrigues(smr_v(turn[0][further], turn[1][further], turn[2][further]), t); /* writes T - I to t */
     for (uint32_t i = 0; i < 3u; i++) {
         t[4u * i] += 1.0f;
         t[3u * i] = mirrored ? -t[3u * i] : t[3u * i];
@@ -138,7 +138,7 @@ static void set_rotation(const smr_aligner *a, uint32_t k, float scale, int mirr
         pose->m[i / 3u][i % 3u] = r[i] * scale;
 }
 
-/* Finds both ends of a side's samples along a direction, mm. */
+/* Writes the smallest and the largest coordinate of a side's samples along a direction, mm. */
 static void find_ends(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float end[2])
 {
     end[0] = FLT_MAX;
@@ -150,7 +150,7 @@ static void find_ends(const smr_coarse *c, uint32_t side, const smr_pose *pose, 
     }
 }
 
-/* The centroid of a side's samples between two positions along a direction, mm. */
+/* Returns the mean of those samples of a side whose coordinate along `axis` lies between lo and hi, mm. */
 static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec axis, float lo,
                               float hi)
 {
@@ -167,7 +167,7 @@ static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose
     return smr_scale(sum, 1.0f / smr_max(n, 1.0f));
 }
 
-/* Sets the pose's translation to the k-th of the search. */
+/* Sets the pose's translation: centroids onto each other (k = 0), or ends along the target's axis (k - 1) / 2. */
 static void set_shift(const smr_aligner *a, const smr_coarse *c, uint32_t k, smr_pose *pose)
 {
     const smr_align_side *target = &a->side[SMR_TARGET];

@@ -4,8 +4,8 @@
 #include "geometry/box_tree/triangle.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
-/* Chooses the axes' signs so that the surface's third moments along the first two are positive. Eigenvectors have no
- * sign, and the order of equally good poses would depend on the surface's orientation. */
+/* Chooses the signs of a side's axes so that third moments along the first two are positive. Eigenvectors have no
+ * sign; without a choice the order of equally good poses would depend on the surface's orientation. */
 static void turn_axes(smr_align_side *side, const smr_surface *s)
 {
     float *a = side->axes, skew[2] = {0.0f, 0.0f};
@@ -23,7 +23,7 @@ static void turn_axes(smr_align_side *side, const smr_surface *s)
         }
 }
 
-/* Computes the area-weighted centroid, the principal axes and the spread. */
+/* Computes the side's area-weighted centroid, principal axes and spread. */
 static void describe(smr_align_side *side, const smr_surface *s)
 {
     const smr_vec origin = smr_load(s->xyz);
@@ -58,7 +58,7 @@ static int inside_out(const smr_surface *s, smr_vec centre)
     return volume < 0.0f;
 }
 
-/* Returns the vertex that `wanted` vertices outside fragments precede. at, in and out: this vertex; count so far. */
+/* Returns the vertex with `wanted` vertices outside fragments before it. at, in and out: vertex; number before it. */
 static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
 {
     for (; at[1] < wanted || smr_surface_fragment(s, at[0]); at[0]++)

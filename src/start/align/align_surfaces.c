@@ -9,39 +9,39 @@
 #include "base/arena.h"
 #include "start/align/align.h"
 
-#define SMR_ROUNDS_SHORT 6u   /* rounds of a short refinement */
-#define SMR_ROUNDS 16u        /* rounds of a longer refinement */
-#define SMR_FINALISTS 4u      /* number of poses that are refined longer */
-#define SMR_OF_SCALE 8u       /* poses kept from a search at another scale, and from the search for the mirror image */
-#define SMR_LARGER 1.136f     /* the larger other scale; its inverse is the smaller: a part does not determine scales */
-#define SMR_SAME_SIZE 0.03f   /* spreads that differ by less than this share need no search of their own */
-#define SMR_ALIKE_COS 0.95f   /* similar poses: least cosine of the rotation between them (18 degrees) */
-#define SMR_ALIKE_SHIFT 0.1f  /* similar poses: largest distance, as a share of the target's spread */
-#define SMR_ALIKE_SCALE 1.04f /* similar poses: largest ratio of scales */
-#define SMR_CHEAPER 0.98f     /* of two similar poses the later one wins only if it costs less than this share */
-#define SMR_FAR_SHARE 0.75f   /* search limit, as a share of the larger spread */
-#define SMR_EXPLAINED_SHARE 0.08f /* matching limit when poses are compared, as a share of the smaller spread */
-#define SMR_WHOLE 0.9f            /* surfaces are wholes when a larger share of each side's samples matches */
-#define SMR_WHOLE_WORSE 1.2f      /* wholes: largest ratio of the cost after a refinement by all pairs to that before */
-#define SMR_WHOLE_SLACK 0.02f     /* cost that is added to the limit by SMR_WHOLE_WORSE */
-#define SMR_GIVEN_WORSE 1.25f     /* the given pose is kept up to this ratio of its rms distance to the found pose's */
-#define SMR_OTHER_COS 0.866f  /* clearly different poses: largest cosine of the rotation between them (30 degrees) */
-#define SMR_OTHER_SHIFT 0.15f /* clearly different poses: least distance, as a share of the target's spread */
-#define SMR_ALIKE_COST 1.1f   /* another pose matches as well: largest ratio of its cost to that of the best pose */
-#define SMR_ALIKE_SLACK 0.01f /* cost that is added to the limit by SMR_ALIKE_COST */
-#define SMR_POSE_ROUNDING 1.0e-3f  /* largest error of an entry of R^T R of a given rotation */
+#define SMR_ROUNDS_SHORT 6u        /* largest number of rounds of a short refinement */
+#define SMR_ROUNDS 16u             /* largest number of rounds of a longer refinement */
+#define SMR_FINALISTS 4u           /* largest number of poses that get a longer refinement */
+#define SMR_OF_SCALE 8u            /* number of poses kept from a search at another scale or for the mirror image */
+#define SMR_LARGER 1.136f          /* scale of a further search, as is its inverse: a part's spread gives no scale */
+#define SMR_SAME_SIZE 0.03f        /* no search at the spreads' ratio where this ratio differs from 1 by less */
+#define SMR_ALIKE_COS 0.95f        /* smallest cosine of the rotation between two similar poses (18 degrees) */
+#define SMR_ALIKE_SHIFT 0.1f       /* largest distance between two similar poses / spread of the target */
+#define SMR_ALIKE_SCALE 1.04f      /* largest ratio of the scales of two similar poses */
+#define SMR_CHEAPER 0.98f          /* a pose replaces a similar one if its cost / the similar one's cost is lower */
+#define SMR_FAR_SHARE 0.75f        /* search range of closest points / larger spread of both surfaces */
+#define SMR_EXPLAINED_SHARE 0.08f  /* distance beyond which samples do not match / smaller spread */
+#define SMR_WHOLE 0.9f             /* share of matching samples above which, on both sides, surfaces are wholes */
+#define SMR_WHOLE_WORSE 1.2f       /* largest cost after a refinement by all pairs / cost before, for wholes */
+#define SMR_WHOLE_SLACK 0.02f      /* cost added to SMR_WHOLE_WORSE times the cost before */
+#define SMR_GIVEN_WORSE 1.25f      /* largest rms distance / rms of the found pose with which the given pose is kept */
+#define SMR_OTHER_COS 0.866f       /* cosine of the rotation (30 degrees) below which two poses clearly differ */
+#define SMR_OTHER_SHIFT 0.15f      /* distance / target's spread above which two poses clearly differ */
+#define SMR_ALIKE_COST 1.1f        /* largest cost / cost of the best pose with which a pose counts as equally good */
+#define SMR_ALIKE_SLACK 0.01f      /* cost added to SMR_ALIKE_COST times the best pose's cost */
+#define SMR_POSE_ROUNDING 1.0e-3f  /* largest |R^T R - I| in an entry of the given pose's rotation R */
 #define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; its inverse is the smallest */
 
-/* State of smr_align() in the caller's memory. */
+/* Working state of smr_align(), in the caller's memory. */
 typedef struct align_work {
     smr_aligner aligner;
     smr_coarse coarse;
-    smr_pose_list found, shorter; /* poses of the current stage */
-    smr_pose_list best;           /* the good poses, cheapest first */
-    uint32_t few, some, all;      /* number of samples in short, in longer and in the last refinements */
+    smr_pose_list found, shorter; /* lists of poses that a stage reads and writes */
+    smr_pose_list best;           /* poses after the longer refinement, cheapest first */
+    uint32_t few, some, all;      /* samples of each side in short, longer, last refinements */
 } align_work;
 
-/* The distance between two poses, mm: of images of the model's centre or of preimages of the target's, if smaller. */
+/* Returns the distance of two poses, mm: of images of the model's centre, or of preimages of the target's, if less. */
 static float shift_between(const smr_aligner *a, const smr_pose *p, const smr_pose *q)
 {
     const smr_vec model = a->side[SMR_MODEL].centre, target = a->side[SMR_TARGET].centre;
@@ -51,7 +51,7 @@ static float shift_between(const smr_aligner *a, const smr_pose *p, const smr_po
     return smr_min(forth, back * smr_pose_scale(p));
 }
 
-/* Returns 1 when two poses differ by more than a rotation of this cosine or by more than `shift` target spreads. */
+/* Returns 1 when the rotation between two poses has a lower cosine or their distance exceeds `shift` target spreads. */
 static int pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose *q, float cosine, float shift)
 {
     float trace = 0.0f;
@@ -61,7 +61,7 @@ static int pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose 
     return trace < 1.0f + 2.0f * cosine || shift_between(a, p, q) > shift * a->side[SMR_TARGET].spread;
 }
 
-/* Inserts a pose, or replaces a similar one that costs clearly more, so that rounding does not decide. */
+/* Inserts a pose into a list, unless the list has a similar one. A similar pose that costs clearly more is replaced. */
 static void insert_or_replace(const smr_aligner *a, const smr_pose *pose, float cost, smr_pose_list *into)
 {
     for (uint32_t i = 0; i < into->n; i++) {
@@ -77,7 +77,7 @@ static void insert_or_replace(const smr_aligner *a, const smr_pose *pose, float 
     smr_list_insert(into, pose, cost);
 }
 
-/* Refines the poses of `from` into `into` (how: SMR_REFINE_...). Similar poses are merged, failed ones left out. */
+/* Adds refined copies of `from`'s poses to `into`, without failed ones, one of similar ones. how: SMR_REFINE_... */
 static void refine_list(smr_aligner *a, const smr_pose_list *from, uint32_t samples, uint32_t rounds, uint32_t how,
                         smr_pose_list *into)
 {
@@ -90,7 +90,7 @@ static void refine_list(smr_aligner *a, const smr_pose_list *from, uint32_t samp
     }
 }
 
-/* Adds the poses that a search at this scale finds to w->shorter. how: SMR_REFINE_... */
+/* Searches poses at this scale, refines the best with a free scale, and adds them to w->shorter. how: SMR_REFINE_... */
 static void try_scale(align_work *w, float scale, uint32_t how)
 {
     smr_list_start(&w->found, SMR_OF_SCALE);
@@ -98,7 +98,7 @@ static void try_scale(align_work *w, float scale, uint32_t how)
     refine_list(&w->aligner, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
 }
 
-/* Fills w->best, always with a scale, which distinguishes bones of two sizes. `given` is one of the tried poses. */
+/* Fills w->best with poses whose scale is fitted, which distinguishes bones of two sizes. `given` is tried, too. */
 static void find_poses(align_work *w, const smr_pose *given)
 {
     smr_aligner *a = &w->aligner;
@@ -117,7 +117,7 @@ static void find_poses(align_work *w, const smr_pose *given)
     refine_list(a, &w->shorter, w->some, SMR_ROUNDS, SMR_REFINE_SCALED | SMR_REFINE_TRIMMED, &w->best);
 }
 
-/* Finds the best pose of the model's mirror image near this scale, after find_poses(). */
+/* Returns the best pose of the model's mirror image near this scale. w->coarse must be filled (find_poses). */
 static smr_pose find_mirrored(align_work *w, float scale, int scaled)
 {
     const uint32_t how = SMR_REFINE_TRIMMED | (scaled ? SMR_REFINE_SCALED : 0u);
@@ -187,7 +187,7 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
     return SMR_OK;
 }
 
-/* Describes both surfaces and sets the limits that follow from their sizes. */
+/* Takes samples of both surfaces, and sets numbers of samples, search range and matching distance in *w. */
 static void prepare(align_work *w, const smr_surface *model, const smr_surface *target, uint32_t samples)
 {
     smr_aligner *a = &w->aligner;
@@ -201,7 +201,7 @@ static void prepare(align_work *w, const smr_surface *model, const smr_surface *
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
 }
 
-/* Refines the best pose. Returns 1 when both surfaces are wholes and all pairs count. Otherwise outliers are rejected;
+/* Refines *pose. Returns 1 when both surfaces are wholes and all pairs count. Otherwise outliers are rejected, and
  * without a scale the refinement starts from the rigid pose that fits the scaled pose's pairs. */
 static int refine_best(align_work *w, const smr_align_config *config, smr_pose *pose)
 {
@@ -223,14 +223,14 @@ static int refine_best(align_work *w, const smr_align_config *config, smr_pose *
     return 0;
 }
 
-/* Returns smr_pairs_rms() of a pose, mm. */
+/* Returns the root mean square distance of the nearest share[side], 0..1, of each side's samples under a pose, mm. */
 static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, const float share[SMR_SIDES])
 {
     smr_pairs_find(a, pose, samples);
     return smr_pairs_rms(a, share);
 }
 
-/* Reports how well the other good poses match. */
+/* Writes to *r how many poses match about as well as the best, and the least rms of a clearly different one, mm. */
 static void compare_others(align_work *w, const float share[SMR_SIDES], smr_align_report *r)
 {
     const smr_pose_list *best = &w->best;
@@ -245,7 +245,7 @@ static void compare_others(align_work *w, const float share[SMR_SIDES], smr_alig
     }
 }
 
-/* Fills the report on *pose, which becomes the given pose where that is kept. both: 1: both surfaces are wholes. */
+/* Fills the report on *pose. *pose becomes the given pose if that is about as good. both: 1: both are wholes. */
 static void report_pose(align_work *w, int both, int scaled, const smr_pose *given, smr_pose *pose, smr_align_report *r)
 {
     smr_aligner *a = &w->aligner;
@@ -296,7 +296,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     prepare(work, model, target, config->samples);
     smr_pose given = as_given, found;
     smr_pose_through(&given, smr_v(0, 0, 0), smr_sub(smr_pose_apply(&as_given, model->origin), target->origin));
-    find_poses(work, &given); /* from here on poses are relative to the surfaces' origins */
+    find_poses(work, &given); /* `given`, `found` and w->best are relative to surface origins */
     if (work->best.n == 0u)
         return SMR_E_INPUT;
     found = work->best.pose[0];

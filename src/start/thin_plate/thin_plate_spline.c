@@ -19,34 +19,34 @@
 
 #define SMR_WARP_MAGIC 0x736d7257u
 #define SMR_WARP_AFFINE 4u      /* number of columns of P */
-#define SMR_SAME_MM 1.0e-4f     /* smallest distance between landmarks that are not merged, mm */
-#define SMR_SAME_SHARE 2.0e-5f  /* that distance as a share of the landmarks' extent; the larger distance counts */
-#define SMR_LINE_SHARE 1.0e-3f  /* collinear landmarks: most of the second variance, as a share of the largest one */
-#define SMR_PLANE_SHARE 1.0e-4f /* coplanar landmarks: most of the third variance, as a share of the largest one */
-#define SMR_LAMBDA_MAX 1.0e9f   /* largest lambda, in units of u: with more the kernels' part vanishes in a float */
+#define SMR_SAME_MM 1.0e-4f     /* distance at or below which landmarks are merged, mm */
+#define SMR_SAME_SHARE 2.0e-5f  /* distance of merged landmarks / extent of all; the larger distance counts */
+#define SMR_LINE_SHARE 1.0e-3f  /* second variance / largest, at or below which landmarks are collinear */
+#define SMR_PLANE_SHARE 1.0e-4f /* third variance / largest, at or below which landmarks are coplanar */
+#define SMR_LAMBDA_MAX 1.0e9f   /* largest smoothing lambda, in units of u: above, floats lose the kernels' part */
 
 struct smr_warp {
     uint32_t magic;   /* SMR_WARP_MAGIC */
     uint32_t n;       /* number of kernels; 0 unless the warp is a spline */
     smr_vec from, to; /* centroids of the landmarks and of their goals, mm */
-    float per_mm;     /* u = (x - from) * per_mm */
-    smr_pose affine;  /* A and a: maps u to mm from `to` */
-    float *centre;    /* [n][3] u_i: positions of the distinct landmarks */
-    float *weight;    /* [n][3] w_i, mm */
+    float per_mm;     /* units of u in a mm: u = (x - from) * per_mm */
+    smr_pose affine;  /* affine part: matrix A and vector a, from u to mm from `to` */
+    float *centre;    /* [n][3] centre u_i of each kernel: position of a distinct landmark */
+    float *weight;    /* [n][3] weight w_i of each kernel, mm */
 };
 
 /* A fit in progress: the distinct landmarks and scratch. */
 typedef struct job {
     smr_warp *warp;
-    float *goal;       /* [n][3] mm from warp->to; mean of the duplicates' goals */
+    float *goal;       /* [n][3] goal of each distinct landmark, mm from warp->to: mean of duplicates */
     float *count;      /* [n] number of landmarks merged into each */
     float *matrix;     /* [n + 4][n + 4] matrix of the equations */
     float *side;       /* [n + 4][3] right-hand sides */
-    smr_system system; /* with matrix, side and scratch of its own */
+    smr_system system; /* the equations with matrix, right-hand sides and scratch */
     smr_vec axis[3];   /* principal directions divided by the spread along them */
     float variance[3]; /* variances along the principal directions in units of u^2, largest first */
-    float lambda;      /* smoothing in units of u */
-    uint32_t n;        /* distinct landmarks */
+    float lambda;      /* smoothing parameter in units of u */
+    uint32_t n;        /* number of distinct landmarks */
 } job;
 
 static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
@@ -88,7 +88,7 @@ static float extent(const float *xyz, uint32_t n)
     return most;
 }
 
-/* The mean of n points, summed relative to the first point to keep digits. */
+/* Returns the mean of n points. The sum is relative to the first point, which keeps digits. */
 static smr_vec mean(const float *xyz, uint32_t n)
 {
     const smr_vec first = smr_load(xyz);
@@ -98,7 +98,7 @@ static smr_vec mean(const float *xyz, uint32_t n)
     return smr_add(first, smr_scale(sum, 1.0f / (float)n));
 }
 
-/* Merges duplicates: fills centres (in mm), goals and counts with the distinct landmarks. */
+/* Writes the distinct landmarks' centres, mm from w->from, mean goals and numbers of duplicates. */
 static void merge(job *j, smr_warp *w, const float *from, const float *to, uint32_t n)
 {
     const float same = smr_max(SMR_SAME_MM, SMR_SAME_SHARE * extent(from, n));
@@ -122,14 +122,14 @@ static void merge(job *j, smr_warp *w, const float *from, const float *to, uint3
         smr_put3(j->goal, k, smr_scale(smr_get3(j->goal, k), 1.0f / j->count[k]));
 }
 
-/* Scales the centres to lengths near 1, by a power of two. Finds their principal directions and variances. */
+/* Scales the centres to lengths near 1, by a power of two. Writes their principal directions and variances to *j. */
 static void normalise(job *j, smr_warp *w)
 {
     float unit = 1.0f, c[6] = {0}, v[9], most = 0.0f;
     for (uint32_t k = 0; k < j->n; k++)
         most = smr_max(most, smr_length(smr_get3(w->centre, k)));
     most = smr_max(most, SMR_SAME_MM);
-    while (unit < most) /* terminates: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
+    while (unit < most) /* ends: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
         unit *= 2.0f;
     while (unit * 0.5f >= most)
         unit *= 0.5f;
@@ -146,7 +146,7 @@ static void normalise(job *j, smr_warp *w)
         j->axis[k] = smr_scale(smr_axis(v, k), 1.0f / SMR_SQRT(smr_max(j->variance[k], 1.0e-12f)));
 }
 
-/* The kind of warp (SMR_WARP_...) with the most freedom that the landmarks determine. */
+/* Returns the kind of warp (SMR_WARP_...) with the most freedom that the landmarks determine. */
 static uint32_t choose_kind(const job *j)
 {
     const float largest = j->variance[0];
@@ -200,12 +200,12 @@ static int fit_spline(job *j, smr_warp *w)
     return 1;
 }
 
-/* Fits a translation, rigid or scaled transform by least squares into *w. */
+/* Fits a translation, a rigid or a scaled transform to the landmarks by least squares. Writes the transform to *w. */
 static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
 {
     const float unit = 1.0f / w->per_mm;
     smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); /* a translation moves centroid to centroid, the origins */
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); /* without pairs: origin to origin, the centroids */
     for (uint32_t k = 0; kind != SMR_WARP_TRANSLATION && k < j->n; k++)
         smr_fit_add(&fit, smr_scale(smr_get3(w->centre, k), unit), smr_get3(j->goal, k), j->count[k]);
     smr_pose p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
@@ -247,7 +247,7 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     return SMR_OK;
 }
 
-/* Moves the point p by the warp. The sum over kernels keeps rounding errors: large weights of near landmarks cancel. */
+/* Moves the point p by the warp. The sum over kernels adds its rounding errors: large weights of landmarks cancel. */
 static void warp_point(const smr_warp *w, float *p)
 {
     const smr_vec u = smr_scale(smr_sub(smr_load(p), w->from), w->per_mm);
