@@ -20,11 +20,11 @@
 #define SMR_CARRY_CHUNK 64u    /* number of points that one task handles */
 #define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's short-range part / variance of its long-range part */
 
-/* A selection of vertices, every stride-th one along the curve, and a tree of boxes over groups of eight of them. */
+/* A selection of vertices, every stride-th one along a Hilbert curve, and a tree of boxes around groups of eight. */
 typedef struct smr_carry_thin {
     smr_box_tree groups;       /* tree of boxes around groups of eight vertices, in place of triangles */
     uint32_t first, stride, n; /* the selection holds n vertices: first, first + stride, ... */
-    uint32_t take;             /* number of nearest vertices taken from this selection */
+    uint32_t take;             /* number of vertices nearest to a point that are taken out of this selection */
 } smr_carry_thin;
 
 /* The vertices near a point, the nearest one first, and the equations of their coefficients. Scratch of one worker. */
@@ -47,10 +47,10 @@ struct smr_carry {
     uint32_t n_vertices, n_points, n_densities;
     smr_port port;
     smr_vec centre;   /* origin of stored positions, mm: middle of the rest shape's box, rounded */
-    float per_smooth; /* inverse range of the covariance's smooth part, 1 / mm */
-    float per_rough;  /* inverse range of the covariance's rough part, 1 / mm */
+    float per_smooth; /* 1 / range of the covariance's smooth part, 1 / mm */
+    float per_rough;  /* 1 / range of the covariance's rough part, 1 / mm */
     float *rest;      /* [n_vertices][3] rest positions in the order of the Hilbert curve, mm from `centre` */
-    uint32_t *item;   /* [n_vertices] the caller's number of each vertex */
+    uint32_t *item;   /* [n_vertices] caller's number of each vertex, in the order of the Hilbert curve */
     smr_carry_thin thin[SMR_CARRY_DENSITIES];
     smr_carry_site *site; /* [port.n_workers] scratch of each worker */
     uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's numbers of vertices near a point; unused: the first again */
@@ -62,9 +62,9 @@ struct smr_carry {
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes);
 void smr_carry_boxes(const smr_carry_thin *thin, const float *rest); /* fits the tree's boxes to rest positions */
 
-/* The vertices of one selection that are nearest to a point, nearest first; ties in order of the curve. */
+/* The vertices of one selection that are nearest to a point, nearest first; at equal distances in the curve's order. */
 typedef struct smr_carry_nearest {
-    smr_vec p;                        /* the point, mm */
+    smr_vec p;                        /* position of the point, mm */
     uint32_t n, most;                 /* number of vertices found; largest number that the list keeps */
     uint32_t id[SMR_CARRY_NEAR + 1u]; /* number of each vertex in the order of the Hilbert curve */
     float d2[SMR_CARRY_NEAR + 1u];    /* squared distance of each vertex from p, mm^2 */

@@ -24,7 +24,7 @@ typedef struct job {
     smr_carry_fact *facts; /* [n] miss and volume change of each point; NULL: not wanted */
 } job;
 
-/* The map at a point p. */
+/* The map F and its derivative at a point p. */
 typedef struct value {
     smr_vec at;        /* mapped position F(p), mm */
     float gradient[9]; /* derivative dF/dp, row-major */
@@ -36,7 +36,7 @@ static smr_vec residual(const job *j, uint32_t id)
     return smr_sub(smr_get3(j->now, j->c->item[id]), smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
-/* Computes s->weight: solves the equations for the vertices' residuals. Returns the nearest vertex' residual, mm. */
+/* Sets s->weight, the equations' solution for the vertices' residuals. Returns the nearest vertex' residual, mm. */
 static smr_vec weigh(const job *j, smr_carry_site *s)
 {
     const smr_vec first = residual(j, s->id[0]);
@@ -99,7 +99,7 @@ static smr_vec undo(const float m[9], smr_vec v)
                      1.0f / d);
 }
 
-/* Finds the SMR_CARRY_STARTS vertices of the thinnest selection whose present positions are nearest to q. */
+/* Returns the SMR_CARRY_STARTS vertices of the thinnest selection whose present positions are nearest to q, mm. */
 static smr_carry_nearest starts(const job *j, smr_vec q)
 {
     const smr_carry_thin *t = &j->c->thin[j->c->n_densities - 1u];

@@ -7,7 +7,7 @@
 #define SMR_CARRY_COARSE 600u /* the thinnest selection has about this many vertices at most */
 #define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
 #define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance between two points */
-#define SMR_CARRY_NOISE 3.0e-4f   /* four times the noise variance of a vertex half-way to the farthest vertex */
+#define SMR_CARRY_NOISE 3.0e-4f   /* noise variance / (t^4 / (1 - t)^2), where t = distance / range */
 #define SMR_CARRY_END 1.0e-6f     /* added to (1 - distance / range)^2, a divisor that is 0 at the range */
 
 /* Sets *t to every stride-th of n vertices, from `first` on. Returns the number of nodes of the selection's tree. */

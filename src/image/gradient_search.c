@@ -11,11 +11,11 @@
 /* Returns the slope of the packed profile p at sample k, in units of the profile's range per sample. */
 static float slope_at(const uint8_t *p, uint32_t k) { return ((float)p[k + 1u] - (float)p[k - 1u]) * (0.5f / 255.0f); }
 
-/* The edge of the reference profile. */
+/* The edge of the reference profile near the surface. */
 typedef struct edge {
     float slope;  /* slope, profile's ranges per sample; > 0: brighter outwards; 0: no edge */
     float level;  /* brightness at the edge, 0 .. 1: the profile's lowest .. highest intensity */
-    float beyond; /* distance from the surface to the edge, samples, outwards positive */
+    float beyond; /* distance from the surface to the edge, in samples; positive outwards */
 } edge;
 
 /* Returns the steepest edge of a packed profile within SMR_EDGE_NEAR samples of sample `zero`, which is the surface. */

@@ -11,13 +11,13 @@
 
 /* A goal position found along a line of image samples. */
 typedef struct smr_peak {
-    float at;         /* position on the line, samples */
+    float at;         /* position of the goal on the line, in samples */
     float confidence; /* confidence of the goal, 0 .. 1; 0: no goal */
 } smr_peak;
 
 /* A reference profile: the intensity of sample k is low + value[k] * range / 255. */
 typedef struct smr_profile {
-    const uint8_t *value; /* [n] packed intensities */
+    const uint8_t *value; /* [n] packed intensities, 0 .. 255 */
     float low, range;     /* lowest intensity; highest minus lowest one. range 0: flat or partly outside, no goal */
     uint32_t n;           /* number of samples, at most SMR_PROFILE_MAX */
 } smr_profile;
@@ -27,7 +27,7 @@ void smr_profile_pack(const float *value, const uint8_t *inside, uint32_t n, uin
 
 /* How smr_profile_match() measures the similarity of profiles. */
 typedef struct smr_similarity {
-    uint32_t kind;  /* SMR_SIMILARITY_... */
+    uint32_t kind;  /* SMR_SIMILARITY_...: which similarity measure */
     float noise;    /* noise level, intensity: concordance of lower contrasts is near 0 */
     float nearer;   /* score subtracted at the first and last offset; less near the middle: * (distance / half)^2 */
     uint32_t plain; /* 1: a match has the confidence 1 whatever its score */

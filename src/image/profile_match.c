@@ -45,9 +45,9 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
 #define SMR_SIDE 32u /* largest number of offsets whose scores one vectorised loop computes */
 #define SMR_WIDTH 4u /* loops that score offsets take a multiple of this many offsets */
 
-/* Running sums over the samples of one window. */
+/* Sums over the samples of the window at one offset. */
 typedef struct running {
-    float sum, square; /* sums of the samples, and of their squares */
+    float sum, square; /* sum of the samples; sum of their squares */
     uint32_t missing;  /* number of the window's samples outside the image */
 } running;
 
@@ -73,13 +73,13 @@ static void slide(running *r, const float *line, const uint8_t *inside, uint32_t
     }
 }
 
-/* Parameters of all scores of one profile. */
+/* Parameters that the scores at all offsets of one profile share. */
 typedef struct scoring {
     float ref_norm;   /* root of the reference's sum of squared deviations from its mean, in units of its range */
     float noise2;     /* squared noise level in units of the reference's range */
     float n;          /* number of samples of the reference */
     float middle;     /* offset halfway between the first and the last one */
-    float per_sample; /* 1 / middle */
+    float per_sample; /* 1 / middle; 0 with a single offset */
     float nearer;     /* score subtracted at the first and the last offset */
 } scoring;
 
@@ -198,7 +198,7 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
     const float noise = how->noise / range, middle = 0.5f * (float)(offsets - 1u);
     const float per_sample = offsets > 1u ? 1.0f / middle : 0.0f;
     const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, per_sample, how->nearer};
-    score[0] = -1.0f; /* silences compilers that do not see that offsets >= 1 */
+    score[0] = -1.0f; /* silences a warning: offsets is at least 1 */
     scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
     return peak_of(score, offsets, how->plain, centred);
 }

@@ -85,7 +85,7 @@ smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at)
     centred(ref, at->found, missing, here);
     for (uint32_t k = 0; k < n; k++)
         missing[k] = at->gain * missing[k] - here[k];
-    /* The damping suppresses displacements along directions whose slopes are 0 or that noise alone could cause. */
+    /* damping suppresses displacements along directions without slopes, and those that noise alone could cause */
     const float noise = at->noise / (ref->range * at->reach_mm), p2 = product(p, p, n), q2 = product(q, q, n);
     const float damp = (float)n * noise * noise + SMR_ROUNDING * (p2 + q2);
     const float pp = p2 + damp, qq = q2 + damp, pq = product(p, q, n);

@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "image/volume.h"
 
-#define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis */
+#define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis of a volume */
 #define SMR_VOXELS_MAX ((uint64_t)1 << 40)
 #define SMR_NOT_UNIT 0.01f /* largest |squared length - 1| of a direction */
 #define SMR_HUGE 1.0e30f   /* intensity: a sample of larger absolute value counts as outside the image */
@@ -75,7 +75,7 @@ typedef struct cells {
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
     size_t row, slice; /* from one row to the next; from one slice to the next */
-    size_t dx, dy, dz; /* from a lower voxel to the upper one along each axis; 0 for an axis of one voxel */
+    size_t dx, dy, dz; /* from a voxel to the next one in x, y, z; 0 for an axis of one voxel */
 } strides;
 
 /* Returns 1 when the index coordinate `at` lies inside an axis of n voxels. */

@@ -14,10 +14,10 @@ typedef struct smr_grid {
 /* Checks everything but the voxels' values, and fills *grid. Errors: E_NULL, E_INPUT. */
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid);
 
-/* Interpolates n samples at start + k * spacing, k = 0 .. n - 1, world mm. inside[k] and value[k] are 0 where a sample
+/* Writes n interpolated samples at start + k * spacing, k < n, world mm. inside[k] and value[k] are 0 where a sample
  * lies outside the volume or the mask, or meets a NaN. Returns the number of samples inside. */
 uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value, uint8_t *inside);
-/* Prefetches the voxels that smr_grid_line() will read on the same line; changes no result. */
+/* Prefetches the voxels that smr_grid_line() reads with the arguments start, spacing and n; changes no result. */
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n);
 
 #endif

@@ -13,24 +13,24 @@
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
 
-#define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside than this when first searched is not pushed out */
-#define SMR_CONTACT_BAND 0.5f   /* mm beyond the contact thickness: contacts start there; at half of it they are full */
-#define SMR_REACH_NEAR 1.25f    /* search radius of vertices that were near a surface, in contact thickness + band */
-#define SMR_REACH_FAR 4.0f      /* search radius of all other vertices, in contact thickness + band */
-#define SMR_FACING_NONE (-0.5f) /* cosine between exit direction and inward normal from which on there is no contact */
-#define SMR_FACING_FULL (-0.3f) /* the cosine at or below which a contact has full weight */
-#define SMR_PASSED 4.0f /* factor: a vertex so much nearer to the opposite surface has passed through the structure */
-#define SMR_TRIANGLES_LAST 2u   /* number of last iterations that also test triangles' centres; more make them drift */
-#define SMR_TRIANGLE_REACH 3.0f /* mm beyond the contact thickness: search depth of triangles' centres */
+#define SMR_CONTACT_DEEP 10.0f  /* mm: depth beyond which a vertex, at its first search, is not pushed out */
+#define SMR_CONTACT_BAND 0.5f   /* mm beyond config.contact.gap_mm where contacts start; from half of it they weigh 1 */
+#define SMR_REACH_NEAR 1.25f    /* search radius / (gap_mm + SMR_CONTACT_BAND) of vertices that were near a surface */
+#define SMR_REACH_FAR 4.0f      /* search radius / (gap_mm + SMR_CONTACT_BAND) of all other vertices */
+#define SMR_FACING_NONE (-0.5f) /* cosine of exit direction and inward normal at or below which contacts weigh 0 */
+#define SMR_FACING_FULL (-0.3f) /* cosine of exit direction and inward normal at or above which contacts weigh 1 */
+#define SMR_PASSED 4.0f         /* exit depth / depth of the nearest triangle above which a contact loses weight */
+#define SMR_TRIANGLES_LAST 2u   /* number of last iterations that test triangles' centres; with more they drift */
+#define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres is gap_mm plus this, mm */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
-#define SMR_PROJECT_PASSES 3u /* passes of the projection over all contacts */
+#define SMR_PROJECT_PASSES 3u /* number of passes of the projection over all contacts */
 
 static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.contact.n_fixed; }
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    if (shared->config.contact.n_fixed > 0u) /* not saved: restore_awaited_inputs.c sets the surfaces again */
+    if (shared->config.contact.n_fixed > 0u) /* not saved: the caller sets fixed surfaces again after a restore */
         c->fixed = smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed, sizeof *c->fixed);
     if (!(shared->config.contact.share > 0.0f))
         return;
@@ -72,7 +72,7 @@ int smr_fixed_valid(const smr_contact *c)
     return valid;
 }
 
-/* Returns the triangles of a body; NULL: it cannot be touched. shift: from the shape's to the body's origin, mm. */
+/* Returns the tree of a body's triangles; NULL: no contacts. *shift: from the shape's to the body's origin, mm. */
 static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
 {
     *shift = smr_v(0, 0, 0);
@@ -85,7 +85,7 @@ static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec 
     return &surface->tree;
 }
 
-/* Computes the box of a body. A body that cannot be touched gets a box whose low corner lies above the high one. */
+/* Stores the box of a body. A body without contacts gets a box whose low corner lies above the high one. */
 static void place_box(smr_contact *c, uint32_t body)
 {
     smr_vec shift;
@@ -94,7 +94,7 @@ static void place_box(smr_contact *c, uint32_t body)
     for (uint32_t k = 0; f != NULL && f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
         const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
         if (!(root->lo[0][k] < SMR_FAR))
-            continue; /* an empty child */
+            continue; /* child k of the root is empty */
         box.lo = smr_low(box.lo, smr_v(root->lo[0][k], root->lo[1][k], root->lo[2][k]));
         box.hi = smr_high(box.hi, smr_v(root->hi[0][k], root->hi[1][k], root->hi[2][k]));
     }
@@ -121,7 +121,7 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
         c->reach[v] = SMR_REACH_UNKNOWN;
 }
 
-/* Stores the new distance bounds. Bounds of vertices without a new one fall by the largest displacement. */
+/* Stores the current forces' distance bounds. Bounds of inactive vertices fall by twice the largest displacement. */
 void smr_contact_commit(smr_contact *c)
 {
     const uint32_t n = smr_contact_on(c) ? c->schedule->n_active : 0u;
@@ -133,10 +133,10 @@ void smr_contact_commit(smr_contact *c)
             c->reach[v] = smr_max(c->reach[v] - 2.0f * *c->moved_mm, 2.0f * SMR_REACH_UNKNOWN);
 }
 
-/* Returns a weight that rises from 0 at `from` to 1 at `to`, and stays at 0 and 1 beyond. */
+/* Returns a weight that changes linearly from 0 at value = `from` to 1 at `to`, constant outside. */
 static float ramp(float value, float from, float to) { return smr_clamp((value - from) / (to - from), 0.0f, 1.0f); }
 
-/* Finds the exit from inside a structure through triangles that face the vertex. Returns the contact's weight, 0..1. */
+/* Writes the exit from inside a structure, through triangles that face the vertex, to *side. Returns a weight, 0..1. */
 static float face_out(const smr_box_tree *f, const float *normal, smr_query q, smr_side *side)
 {
     const float nearest = -side->mm;
@@ -146,13 +146,13 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
 
-/* A point of a structure's surface that is tested for contact. */
+/* A point of a structure's surface that is tested for contacts. */
 typedef struct probe {
-    smr_vec at, inward; /* position, mm; unit vector against the normal */
-    uint32_t owner;     /* the structure that the point belongs to */
+    smr_vec at, inward; /* position, mm; unit vector opposite to the surface's normal */
+    uint32_t owner;     /* structure that the point belongs to */
 } probe;
 
-/* Finds the signed distance of a point to a body. Returns the contact's weight, 0..1; -1: body beyond `reach`. */
+/* Writes the signed distance of a point to a body. Returns the contact's weight, 0..1; -1: body beyond `reach`. */
 static float side_of(const smr_contact *c, const probe *p, uint32_t body, float reach, smr_side *side)
 {
     smr_vec shift;
@@ -165,12 +165,12 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
-    if (side->mm < 0.0f) /* inside: the shortest exit counts only where the nearest triangle faces the vertex */
+    if (side->mm < 0.0f) /* inside: the exit leads through triangles that face the vertex */
         return smr_dot(smr_get3(f->normal, side->triangle), q.normal) > 0.0f ? 1.0f : face_out(f, normal, q, side);
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
 
-/* Adds a contact to the n deepest ones, which are kept in the order of the bodies. */
+/* Adds a contact to touch[n], which keeps the n deepest contacts in the order of their bodies. */
 static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
 {
     uint32_t shallow = 0, used = 0;
@@ -188,7 +188,7 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
     touch[n - 1u] = *more;
 }
 
-/* Tests all bodies within `reach` of a point and keeps its n deepest contacts. Returns the new distance bound, mm. */
+/* Writes the n deepest contacts of a point with bodies within `reach`. Returns a lower bound on their distance, mm. */
 static float look(const smr_contact *c, const probe *p, float reach, smr_touch *touch, uint32_t n)
 {
     const float thick = c->shared->config.contact.gap_mm, zone = thick + SMR_CONTACT_BAND;
@@ -217,7 +217,7 @@ static float look(const smr_contact *c, const probe *p, float reach, smr_touch *
 
 void smr_contact_find(smr_contact *c, uint32_t v)
 {
-    /* a replay does not know the last displacement after an abandoned iteration, when bounds are unknown */
+    /* with unknown bounds, as after an abandoned iteration, moved_mm is not used: a replay does not know moved_mm */
     const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
     smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
@@ -227,14 +227,14 @@ void smr_contact_find(smr_contact *c, uint32_t v)
     c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
     if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
         return;
-    /* search radius, mm; -bound is the largest possible depth inside a structure now */
+    /* search radius, mm; where bound < 0, -bound is the largest depth inside a structure that is possible now */
     const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
     const probe p = {smr_get3(c->shape->x, v), smr_scale(smr_get3(c->shape->normal, v), -1.0f),
                      smr_model_owner(c->shared->model, v)};
     c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), touch, SMR_TOUCHES);
 }
 
-/* Returns 1 when the distance bounds of a triangle's corners exclude a contact of its centre. */
+/* Returns 1 when the distance bound of a corner of triangle t excludes a contact of the triangle's centre, `middle`. */
 static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
 {
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
@@ -256,7 +256,7 @@ void smr_contact_find_triangle(smr_contact *c, uint32_t k)
         (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, &c->triangle_touch[k], 1);
 }
 
-/* Returns the stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
+/* Returns the three stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
 static const uint32_t *corners_of(const smr_contact *c, const smr_touch *touch)
 {
     if (touch->body >= c->shared->n_structures)
@@ -278,7 +278,7 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
             other = smr_add(other, smr_scale(displaced(ctx, t[k]), touch[i].weight[k]));
             heavy += touch[i].weight[k] * smr_mass(c->shared, t[k]);
         }
-        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* the heavier side moves less */
+        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* 0..1: heavier sides move less */
         const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, moved), other);
         const float missing = smr_positive(c->shared->config.contact.gap_mm - touch[i].mm - smr_dot(out, apart));
         moved = smr_add(moved, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
@@ -298,13 +298,13 @@ uint32_t smr_contact_project_tasks(const void *arg)
     return SMR_PROJECT_PASSES * (smr_active_tasks(c->schedule) + due_tasks(c));
 }
 
-/* A point of a surface: a vertex, or a point of a triangle. */
+/* A point of a surface that the projection moves: a vertex, or a point of a triangle. */
 typedef struct place {
     uint32_t n, vertex[3]; /* number of vertices, and the vertices; n is 0 for a surface that does not move */
-    float weight[3];       /* barycentric weights */
+    float weight[3];       /* barycentric weight of each vertex */
 } place;
 
-/* Returns the displacement of a point in this iteration along `out`, mm. Adds the point's inverse mass to *sum. */
+/* Returns how far a point moves along `out` in this iteration, mm. Adds the point's inverse mass, 1 / g, to *sum. */
 static float displacement_along(const smr_contact *c, const place *p, smr_vec out, float *sum)
 {
     float displacement = 0.0f;
@@ -325,7 +325,7 @@ static void move(const smr_contact *c, const place *p, smr_vec out, float mm)
     }
 }
 
-/* Moves a point and the touched body apart along the contact's normal. */
+/* Moves a point and the touched triangle apart along the contact's normal, until they are gap_mm apart. */
 static void separate(const smr_contact *c, const place *p, const smr_touch *touch)
 {
     const uint32_t *t = corners_of(c, touch);

@@ -17,23 +17,23 @@
 
 /* ---- contact ---- */
 
-#define SMR_TOUCHES 2u        /* most surfaces that a vertex can touch at one time; the deepest are kept */
-#define SMR_CONTACT_CHUNK 16u /* vertices of a task */
+#define SMR_TOUCHES 2u        /* largest number of contacts of a vertex; the deepest are kept */
+#define SMR_CONTACT_CHUNK 16u /* number of vertices whose contacts one task finds */
 
-/* A contact: a surface near a vertex. */
+/* A contact of a vertex with a surface near it. */
 typedef struct smr_touch {
-    uint32_t body;     /* a structure, or number of structures + number of a fixed surface; SMR_NONE: no contact */
+    uint32_t body;     /* touched structure, or n_structures + number of a fixed surface; SMR_NONE: no contact */
     uint32_t triangle; /* touched triangle of the body */
-    float weight[3];   /* barycentric weights of the triangle's closest point */
+    float weight[3];   /* barycentric weights of the point of the triangle that is closest to the vertex */
     float out[3];      /* unit vector that points out of the body */
-    float mm;          /* distance to the body, mm; negative inside */
-    float share;       /* 0..1: weight of the contact */
+    float mm;          /* distance from the vertex to the body, mm; negative inside */
+    float share;       /* weight of the contact, 0..1 */
 } smr_touch;
 
-/* A fixed surface, as it was set. */
+/* A surface that keeps its place, as the caller set it. */
 typedef struct smr_fixed_surface {
-    const smr_surface *surface;   /* NULL: no surface is set */
-    uint32_t n_vertices, changes; /* vertices and change counter of the surface when it was set */
+    const smr_surface *surface;   /* the caller's surface; NULL: no surface is set */
+    uint32_t n_vertices, changes; /* number of vertices and change counter of the surface when it was set */
 } smr_fixed_surface;
 
 typedef struct smr_contact {
@@ -41,28 +41,28 @@ typedef struct smr_contact {
     const smr_schedule *schedule;
     const smr_shape *shape;
     const float *moved_mm;     /* largest displacement of the last iteration, mm */
-    smr_fixed_surface *fixed;  /* [config.contact.n_fixed]; the arrays below are NULL when config.contact.share is 0 */
-    smr_box *box;              /* [n_bodies] box of each body when the iteration began, mm */
-    uint8_t *closed;           /* [n_structures] 1: the structure is closed and its triangles face outwards */
+    smr_fixed_surface *fixed;  /* [config.contact.n_fixed] surfaces that keep their places */
+    smr_box *box;              /* [n_bodies] box of each structure and fixed surface when the iteration began, mm */
+    uint8_t *closed;           /* [n_structures] 1: the structure is closed with triangles that face outwards */
     smr_touch *touch;          /* [n][SMR_TOUCHES] contacts of each vertex in the current iteration */
-    smr_touch *triangle_touch; /* [n_triangles] contacts of triangles' centres, in iterations with triangles_due 1 */
+    smr_touch *triangle_touch; /* [n_triangles] contact of each triangle's centre, where triangles_due is 1 */
     uint32_t triangles_due;    /* 1: this iteration also tests triangles' centres */
-    float *push;               /* [n][3] displacement that is added to the force, mm */
-    float *reach;      /* [n] lower bound on the distance to bodies, mm, of the last complete forces; < 0: inside */
-    float *reach_next; /* [n] lower bound on the distance to bodies, mm, of the current forces */
+    float *push;               /* [n][3] displacement that ends penetration, added to each vertex' force, mm */
+    float *reach;              /* [n] least possible distance to bodies, mm, in the last complete forces; < 0: inside */
+    float *reach_next;         /* [n] least possible distance to bodies, mm, in the current forces */
 } smr_contact;
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
-void smr_contact_model(smr_contact *c);  /* finds which structures are closed */
-void smr_contact_reset(smr_contact *c);  /* sets all distance bounds to unknown */
-void smr_contact_begin(smr_contact *c);  /* called when an iteration begins: computes the boxes of the bodies */
-void smr_contact_commit(smr_contact *c); /* called when the current forces are complete: keeps the distance bounds */
-void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets or removes (NULL) a surface */
-int smr_fixed_valid(const smr_contact *c); /* 1: no fixed surface has changed since it was set */
+void smr_contact_model(smr_contact *c);  /* sets `closed` of each structure */
+void smr_contact_reset(smr_contact *c);  /* discards contacts, pushes and distance bounds */
+void smr_contact_begin(smr_contact *c);  /* when an iteration begins: computes boxes and triangles_due */
+void smr_contact_commit(smr_contact *c); /* when forces are complete: stores reach_next in reach */
+void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets a fixed surface; NULL: none */
+int smr_fixed_valid(const smr_contact *c); /* returns 1 when no fixed surface has changed since it was set */
 
 static inline int smr_contact_used(const smr_contact *c) { return SMR_HAS_CONTACT && c->touch != NULL; }
 
-/* Returns 1 when contacts act in this iteration: not with clusters of several structures, which would cancel them. */
+/* Returns 1 when contacts act in this iteration: not while clusters span structures, which would cancel contacts. */
 static inline int smr_contact_on(const smr_contact *c)
 {
     return smr_contact_used(c) && c->schedule->repairing == 0u &&
@@ -70,56 +70,56 @@ static inline int smr_contact_on(const smr_contact *c)
             smr_model_separate(c->shared->model, c->schedule->radius));
 }
 
-void smr_contact_find(smr_contact *c, uint32_t v);                 /* finds the contacts of a vertex */
-void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* finds the contact of a triangle's centre */
+void smr_contact_find(smr_contact *c, uint32_t v);                 /* writes the contacts of vertex v to `touch` */
+void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* writes triangle_touch[triangle] */
 
-/* Returns v's share, mm, of the displacement that ends penetration when all vertices have moved by `displaced`. */
+/* Returns v's share, mm, of the displacement that ends penetration after each vertex w moves by displaced(ctx, w). */
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);
 smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx);
 
-/* Step: projects the next positions out of contacts, at the last radius. Tasks run one after the other. */
+/* Step of an iteration: moves next positions out of contacts, at the last radius. Tasks run one after the other. */
 smr_count_tasks smr_contact_project_tasks;
 smr_run_task smr_contact_project;
 
 /* ---- volumes ---- */
 
-#define SMR_VOLUME_RATIO_LEAST 0.1f /* smallest ratio that the caller may set */
-#define SMR_VOLUME_RATIO_MOST 10.0f /* largest ratio that the caller may set */
+#define SMR_VOLUME_RATIO_LEAST 0.1f /* smallest ratio of volumes that the caller may set */
+#define SMR_VOLUME_RATIO_MOST 10.0f /* largest ratio of volumes that the caller may set */
 
-/* The volume of one structure. A ratio is a volume divided by rest_mm3. */
+/* The volume that one structure keeps. A ratio is a volume divided by rest_mm3. */
 typedef struct smr_kept_volume {
     uint32_t closed; /* 1: the structure is closed and its volume is corrected; 0: the other fields are not used */
-    float model_mm3; /* volume of the rest shape, mm^3 */
+    float model_mm3; /* volume of the structure in the rest shape, mm^3 */
     float rest_mm3;  /* volume of the rest shape in the scale of the start, mm^3; negative: triangles face inwards */
-    float model_thick_mm;  /* volume divided by area (half the mean thickness) of the rest shape, mm */
+    float model_thick_mm;  /* volume / area of the rest shape, mm: half the mean thickness */
     float thick_mm;        /* model_thick_mm in the scale of the start, mm */
-    float ratio;           /* the ratio that the caller wants (smr_set_volume_ratio) */
-    float ratio_at_begin;  /* the caller's ratio when the current iteration began */
-    float now;             /* ratio of the current iteration: goes in steps from that of the start to the caller's */
-    float displacement_mm; /* displacement of each vertex along its normal, mm */
-    smr_vec apex;          /* common apex of the cones over the triangles, whose volumes are summed, mm */
-    smr_enclosed sum;      /* sum of the cones so far */
+    float ratio;           /* ratio that the caller wants (smr_set_volume_ratio) */
+    float ratio_at_begin;  /* ratio that the caller wanted when the current iteration began */
+    float now;             /* ratio of the current iteration: goes in steps from the start's to the caller's */
+    float displacement_mm; /* displacement of the structure's vertices along their normals, mm */
+    smr_vec apex;          /* common apex of the cones on all triangles, whose volumes are summed, mm */
+    smr_enclosed sum;      /* sum over the cones of the triangles so far */
 } smr_kept_volume;
 
 typedef struct smr_volumes {
     const smr_shared *shared;
     const smr_schedule *schedule;
-    const smr_shape *shape; /* steps change x_next of the shape */
-    const uint32_t *sum;    /* [n][SMR_WORDS] sums, which hold the next normals */
-    smr_kept_volume *kept;  /* [n_structures]; NULL: config.contact.volume is 0 */
+    const smr_shape *shape; /* shape whose x_next volume corrections change */
+    const uint32_t *sum;    /* [n][SMR_WORDS] memory of the sums, in which the next normals lie */
+    smr_kept_volume *kept;  /* [n_structures] volume of each structure; NULL: config.contact.volume is 0 */
 } smr_volumes;
 
 static inline int smr_volumes_used(const smr_volumes *v) { return SMR_HAS_CONTACT && v->kept != NULL; }
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);
-void smr_volumes_model(smr_volumes *v);        /* computes volumes at rest; sets ratios to 1 */
-void smr_volumes_scale(smr_volumes *v);        /* scales volumes at rest to the start positions */
-void smr_volumes_start(smr_volumes *v);        /* scales, and starts steps to the ratios at the present volumes */
-void smr_volumes_begin(smr_volumes *v);        /* when an iteration begins: takes the caller's ratios */
-int smr_volumes_pending(const smr_volumes *v); /* 1: some volume has not reached its ratio */
-void smr_volumes_commit(smr_volumes *v);       /* called when an iteration is complete: steps towards the ratios */
+void smr_volumes_model(smr_volumes *v);        /* computes the rest shape's volumes; sets ratios to 1 */
+void smr_volumes_scale(smr_volumes *v);        /* sets rest_mm3 and thick_mm from the scale of the start */
+void smr_volumes_start(smr_volumes *v);        /* smr_volumes_scale(), then `now` from present volumes */
+void smr_volumes_begin(smr_volumes *v);        /* when an iteration begins: sets ratio_at_begin to ratio */
+int smr_volumes_pending(const smr_volumes *v); /* returns 1 when a volume has not reached its ratio */
+void smr_volumes_commit(smr_volumes *v);       /* after an iteration: moves `now` a step towards the caller's ratios */
 
-/* Step: sums over triangles, then positions. Tasks run one after the other. */
+/* Step: sums each structure's volume, then moves vertices to correct it. Tasks run one after the other. */
 smr_count_tasks smr_volume_tasks;
 smr_run_task smr_volume_correct;
 
@@ -129,20 +129,20 @@ typedef struct smr_smooth {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;
-    smr_rings rings; /* sums of the mesh neighbours' positions */
-    float side;      /* sign of the heights in the start pose: -1 when it is mirrored */
-    float *height;   /* [n] height of the mesh neighbours' mean above each vertex at rest, mm; NULL: smoothing is off */
+    smr_rings rings; /* sums of the positions of each vertex' mesh neighbours */
+    float side;      /* factor on heights at rest: 1; -1: the start pose mirrors */
+    float *height;   /* [n] height of the neighbours' mean above each vertex at rest, mm; NULL: no smoothing */
 } smr_smooth;
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
-void smr_smooth_rest(smr_smooth *s);  /* computes the heights; positions are those of the rest shape */
+void smr_smooth_rest(smr_smooth *s);  /* computes `height` while the positions are those at rest */
 void smr_smooth_start(smr_smooth *s); /* for a new start or restored positions: sets `side` */
 
-/* Step: sums over mesh neighbours. Tasks run one after the other. */
+/* Step: sums the positions of each vertex' mesh neighbours. Tasks run one after the other. */
 smr_count_tasks smr_smooth_tasks;
 smr_run_task smr_smooth_sum;
 
-/* Returns the mean of the displacement of v to its goal and its smoothing displacement, mm, when the step has run. */
+/* Returns the weighted mean, mm, of `displacement` and of the displacement that smooths v; the step must have run. */
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement);
 
 #endif

@@ -9,7 +9,7 @@
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
 {
     if (shared->config.contact.smooth > 0.0f)
-        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* smr_smooth_rest() computes them */
+        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* not saved: recomputed */
 }
 
 uint32_t smr_smooth_tasks(const void *arg)
@@ -33,7 +33,7 @@ void smr_smooth_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_ring_add(&s->rings, s->shared->triangle + 3u * (size_t)k, s->shape->x);
 }
 
-/* Returns the height of the mesh neighbours' mean above a vertex, along the vertex' normal, mm. */
+/* Returns the height of the mesh neighbours' mean position above vertex v, along the vertex' normal, mm. */
 static float height_of(const smr_smooth *s, uint32_t v)
 {
     if (!(s->rings.weight[v] > 0.0f))

@@ -7,9 +7,9 @@
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
 
-#define SMR_VOLUME_STEP 0.04f      /* largest change of smr_kept_volume.now in an iteration, as a share of `now` */
-#define SMR_DISPLACEMENT_MOST 0.5f /* largest displacement in an iteration, as a share of half the mean thickness */
-#define SMR_NOW_MOST 100.0f        /* largest absolute value of smr_kept_volume.now */
+#define SMR_VOLUME_STEP 0.04f      /* largest change of a structure's ratio `now` in an iteration / ratio */
+#define SMR_DISPLACEMENT_MOST 0.5f /* largest displacement in an iteration / half the mean thickness */
+#define SMR_NOW_MOST 100.0f        /* largest absolute value of a structure's ratio `now` */
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
 {
@@ -82,7 +82,7 @@ uint32_t smr_volume_tasks(const void *arg)
     return v->kept != NULL && v->schedule->repairing == 0u ? smr_triangle_tasks(v->shared) + v->shared->n_tasks : 0u;
 }
 
-/* Returns the sum of the cones whose bases are the triangles from .. to - 1. */
+/* Returns the sum over cones from `apex` whose bases are the triangles from .. to - 1 at the next positions. */
 static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, smr_vec apex)
 {
     smr_enclosed sum = {{0, 0, 0, 0}};
@@ -98,7 +98,7 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
     return sum;
 }
 
-/* Sums cones with the bases from .. to - 1, triangles that may belong to several structures, in kept->sum. */
+/* Adds the cones on triangles from .. to - 1, which may belong to several structures, to each structure's `sum`. */
 static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
 {
     while (from < to) {
@@ -116,7 +116,7 @@ static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
     }
 }
 
-/* Computes each structure's displacement_mm from the complete sums. */
+/* Computes each structure's displacement_mm from its complete sum of cones. */
 static void choose_displacements(smr_volumes *v)
 {
     for (uint32_t i = 0; i < v->shared->n_structures; i++) {

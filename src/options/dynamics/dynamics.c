@@ -13,11 +13,11 @@
 #include "options/dynamics/dynamics.h"
 #include "registration/schedule_radius.h"
 
-#define SMR_WEIGHT_UNIT 32.0f     /* weights are multiples of 1 / 32: rounding changes a weight of 1 by at most 1.6 % */
-#define SMR_WEIGHTS_SUM 262144.0f /* most units of all weights in a cluster: more would make the centre inexact */
-#define SMR_WEIGHT_MOST 1024.0f   /* largest weight of a vertex that is not pinned; the mean is 1 */
-#define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
-#define SMR_PINNED_TIMES 8.0f     /* weight of a cluster's pinned vertices together / weight of the largest cluster */
+#define SMR_WEIGHT_UNIT 32.0f     /* units in a weight of 1: rounding to 1 / 32 changes the weight by at most 1.6 % */
+#define SMR_WEIGHTS_SUM 262144.0f /* largest sum of a cluster's weights, in units: larger sums make centres inexact */
+#define SMR_WEIGHT_MOST 1024.0f   /* largest weight in fits of a vertex that is not pinned; the mean weight is 1 */
+#define SMR_PINNED_MOST 3.4e7f    /* largest weight in fits of a pinned vertex */
+#define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices in a cluster / weight of the largest cluster */
 
 void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared)
 {
@@ -54,7 +54,7 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
         d->mass[v] = smr_mass(shared, v);
 }
 
-/* Writes records that mark the owners of vertices: each of SMR_WORDS structures from `first` on has its own word. */
+/* Writes records whose word k is not 0 for vertices of structure first + k, k < SMR_WORDS. */
 static void mark_owners(smr *s, uint32_t first)
 {
     uint32_t *const record = s->sums.record;
@@ -66,7 +66,7 @@ static void mark_owners(smr *s, uint32_t first)
     }
 }
 
-/* Joins the groups of structures a and b. */
+/* Merges the groups of structures a and b into one. */
 static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
 {
     const uint32_t first = smr_min_u32(group[a], group[b]), other = group[a] + group[b] - first;
@@ -74,7 +74,7 @@ static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
         group[k] = group[k] == other ? first : group[k];
 }
 
-/* Counts the members of each vertex' cluster, with fractions at the boundary, and finds groups of structures
+/* Counts the members of each vertex' cluster, vertices near the boundary in part, and finds groups of structures
  * that share clusters, directly or through others. A group's number is that of its first structure. */
 static void count_members(smr *s)
 {
@@ -101,13 +101,13 @@ static void count_members(smr *s)
         d->members[v] = smr_max(d->members[v], 1.0f);
 }
 
-/* Returns the weight rounded to a multiple of 1 / unit, within 1 / unit .. most. */
+/* Returns the weight, limited to 1 / unit .. most and rounded to a multiple of 1 / unit. */
 static float rounded(float weight, float most, float unit)
 {
     return smr_whole_number(smr_clamp(weight, 1.0f / unit, most) * unit) / unit;
 }
 
-/* Returns the mean of mass / members, g, over the vertices that are not pinned. Counts the pinned ones. */
+/* Returns the mean of mass / members of vertices that are not pinned, g. Counts pinned vertices in *n_pinned. */
 static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
 {
     float sum = 0.0f;
@@ -119,7 +119,7 @@ static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
     return *n_pinned < n ? sum / (float)(n - *n_pinned) : 1.0f;
 }
 
-/* Computes weights from masses. A pinned vertex weighs more than the rest of its cluster, which then turns about it. */
+/* Computes weights of fits from masses. A pinned vertex outweighs the rest of its cluster, which turns about it. */
 void smr_time_steps_weigh(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
@@ -129,7 +129,7 @@ void smr_time_steps_weigh(smr *s)
     const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* bound on a cluster's pinned ones */
+    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* most pinned vertices of a cluster */
     const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
     d->gram = mean;
     c->mass_max = c->mass_sum = 0.0f;
@@ -173,7 +173,7 @@ void smr_time_steps_begin(smr *s)
 
 uint32_t smr_sweep_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
 
-/* Sets the positions at which a sweep starts: y in the first sweep of a time step, x in the others. */
+/* Sets positions at which a sweep starts: predicted ones in a time step's first sweep, present ones in later sweeps. */
 void smr_sweep_begin(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr *s = arg;
@@ -182,7 +182,7 @@ void smr_sweep_begin(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_put3(s->shape.from, v, first ? smr_dynamics_free(s->shape.dynamics, v) : smr_get3(s->shape.x, v));
 }
 
-/* Moves vertices by the springs to their average, which evolve has left in x_next, and to their goals. */
+/* Moves vertices by springs to their average goals, which x_next holds before, and to their targets' goals. */
 void smr_sweep_end(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr *s = arg;

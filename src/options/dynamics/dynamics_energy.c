@@ -7,25 +7,25 @@
 #include "options/dynamics/dynamics.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
-#define SMR_LESS 0.999999f /* factor on the permitted energy, a margin for the rounding of sums */
-#define SMR_LINE 1.0e-4f   /* pinned vertices thinner than this share of their length form a line and turn about it */
+#define SMR_LESS 0.999999f /* factor on the permitted kinetic energy: a margin for rounding of sums */
+#define SMR_LINE 1.0e-4f   /* moment of inertia / largest one below which pinned vertices may turn about their line */
 
-/* The passes of the summation. Each pass uses the results of the ones before. */
+/* The passes of the summation over vertices, in order. Each pass uses the results of the passes before. */
 enum { MEANS, TURNS, ENERGY, PASSES };
 
-/* The position at the end of the time step, mm: x_next, while the step's last iteration runs. */
+/* Returns the position of a vertex at the end of the time step, mm, while the step's last iteration runs. */
 static smr_vec next_of(const smr *s, uint32_t v) { return smr_get3(s->shape.x_next, v); }
 
-/* The displacement of a vertex in the time step, mm. */
+/* Returns the displacement of a vertex in the time step, mm. */
 static smr_vec displacement_of(const smr *s, uint32_t v)
 {
     return smr_sub(next_of(s, v), smr_get3(s->shape.dynamics->begin, v));
 }
 
-/* The vector from the reference shape to a vertex, mm. */
+/* Returns the vector from a vertex of the reference shape to the position at the end of the step, mm. */
 static smr_vec off_of(const smr *s, uint32_t v) { return smr_sub(next_of(s, v), smr_get3(s->shape.x_ref, v)); }
 
-/* Adds a vertex to the mean motion of its group, or to the centre of its structure's pinned vertices. */
+/* Adds a vertex to the sums for its group's mean motion, or a pinned one to those for its structure's pinned centre. */
 static void add_means(const smr *s, uint32_t v, smr_step_sums *own, smr_step_sums *lead)
 {
     const smr_dynamics *d = s->shape.dynamics;
@@ -69,7 +69,7 @@ static void add_turn(smr_step_sums *to, float mass, smr_vec r, smr_vec displacem
     *turn = smr_add(*turn, smr_scale(smr_cross(r, displacement), mass));
 }
 
-/* Adds a vertex to the rotation of its group, or to that of its structure's pinned vertices off the reference shape. */
+/* Adds a vertex to the rotation sums of its group; a pinned one, to those of its structure's pinned vertices. */
 static void add_turns(const smr *s, uint32_t v, const smr_step_sums *own, const smr_step_sums *lead,
                       smr_step_sums *to_own, smr_step_sums *to_lead)
 {
@@ -93,10 +93,10 @@ static void end_turns(smr_dynamics *d, uint32_t n_structures)
     }
 }
 
-/* The displacement of a point by the rotation of its group, mm. */
+/* Returns the displacement of the point x by the rotation of the group g in the time step, mm. */
 static smr_vec turned(const smr_step_sums *g, smr_vec x) { return smr_cross(g->spin, smr_sub(x, g->middle)); }
 
-/* Adds kinetic energies and work. A damped step is one of mass m / keeps without damping, from damped velocities. */
+/* Adds v's kinetic energies and work. A damped step equals an undamped one of mass m / keeps from damped velocities. */
 static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, float sum[SMR_STEP_ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
@@ -111,7 +111,7 @@ static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, fl
     sum[SMR_PUSHED] += mass > 0.0f || !(smr_dot(all, all) > 0.0f) ? 0.0f : 1.0f;
 }
 
-/* Adds elastic energy: half the product of force and deviation (Clapeyron). The force is M (x - y) / keeps h^2. The
+/* Adds v's spring energies: half of force times deviation (Clapeyron). The force is M (x - y) / (keeps h^2). The
  * rigid motion of pinned vertices off the reference shape does no work. */
 static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, const smr_step_sums *own,
                         float sum[SMR_STEP_ENERGIES])
@@ -124,7 +124,7 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
         return;
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
         const float share = s->shared.config.forces.stiffness, k = s->shared.config.dynamics.elastic;
-        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v)); /* displacement since the search for the goal, mm */
+        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v)); /* displacement since the goal was found, mm */
         const smr_vec pull = smr_sub(smr_get3(s->forces.force, v), smr_scale(moved, share));
         sum[SMR_GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
         sum[SMR_WORK] += mass * k * smr_dot(pull, smr_sub(displacement_of(s, v), group->displacement));
@@ -139,7 +139,7 @@ uint32_t smr_step_energy_tasks(const void *arg)
     return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.track_rest->n_tasks : 0u;
 }
 
-/* Adds the sums of a chunk to those of its structure or group; sums of chunks keep rounding small. */
+/* Adds the sums `part` of a chunk of vertices to those of a structure or group. Chunks keep rounding small. */
 static void add_sums(smr_step_sums *to, const smr_step_sums *part)
 {
     to->mass += part->mass;

@@ -7,12 +7,12 @@
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
 
-#define SMR_GAIN_LEAST 0.25f   /* smallest ratio of the image's contrast to that of the profiles */
-#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile; the weight is the profile's range divided by the noise */
-#define SMR_MATCHED_WELL 0.8f  /* share of a structure's vertices with a goal at which the search is not widened */
-#define SMR_MATCHED_BADLY 0.5f /* share of vertices with a goal below which the search is as wide as it gets */
+#define SMR_GAIN_LEAST 0.25f   /* smallest contrast of the image / contrast of the profiles */
+#define SMR_ABOVE_MOST 100.0f  /* largest weight of a profile, which is the profile's range / noise */
+#define SMR_MATCHED_WELL 0.8f  /* share of vertices with a goal at or above which the search is not widened */
+#define SMR_MATCHED_BADLY 0.5f /* share of vertices with a goal below which the search is widest, without smoothing */
 
-/* Without a budget each structure is a task. With a budget it is cut into pieces, of its vertices, then of its
+/* Returns the number of tasks: a structure each, or with a budget a piece of a structure: of its vertices, then of its
  * triangles, and the same piece of all structures comes before the next: task = piece * n_structures + structure. */
 uint32_t smr_fill_tasks(const void *arg)
 {
@@ -34,8 +34,8 @@ void smr_fill_pieces(void *arg, int cut)
     }
 }
 
-/* Returns a structure's search distance of profiles, mm; 0: the usual one, p->profile_mm. With few goals it is longer,
- * since the structure may lie farther from its place. */
+/* Returns a structure's search distance of profiles, mm; 0: p->profile_mm. With few goals the distance is longer,
+ * since the structure may be far from its place in the image. */
 static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
 {
     const smr_schedule *p = g->schedule;
@@ -44,14 +44,14 @@ static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
         return 0.0f;
     const float share = (float)view->n_goals / (float)view->n_decided;
     const float lost = smr_clamp((SMR_MATCHED_WELL - share) / (SMR_MATCHED_WELL - SMR_MATCHED_BADLY), 0.0f, 1.0f);
-    /* the distance falls with the schedule at the last radius only */
+    /* the largest search distance falls with the schedule at the last radius only */
     const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
-    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* farther away other structures may be found */
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* beyond, it may find other structures */
     const float far = smr_min(smr_min(most, p->lists.radius), half);
     return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
 }
 
-/* Adds a vertex' contrast and brightness, weighted by its profile's range divided by the noise. */
+/* Adds the contrast and brightness of v to the structure's sums, weighted by the range of v's profile / noise. */
 static void add_contrast(const smr_image_goals *g, smr_image_structure *view, uint32_t v)
 {
     const uint32_t *ranges = smr_at(g->shared->model, g->shared->model->at_ranges);
@@ -77,7 +77,7 @@ static void end_view(const smr_image_goals *g, smr_image_structure *view)
     view->brighter = known ? view->brighter_sum / view->gain_weight : 0.0f;
 }
 
-/* Counts vertices with goals, sums contrast and brightness, and clears the neighbours' sums. */
+/* For vertices from .. to-1 of a structure: counts goals, sums contrast and brightness, clears sums of neighbours. */
 static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_shape_structure *one = &g->shape->structure[structure];
@@ -99,13 +99,13 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
         end_view(g, view);
 }
 
-/* Sums positions of mesh neighbours. A neighbour counts once for each triangle that it shares. */
+/* Adds the corners of triangles from .. to-1 to the sums of their neighbours: once for each triangle that two share. */
 static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_image_structure *view = &g->structure[structure];
     if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
         (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
-        return; /* too few vertices have a goal: sums stay 0, which smooths nothing */
+        return; /* less than half have a goal: sums stay 0, which smooths nothing */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
         const smr_vec a = smr_get3(g->shape->x, t[0]), b = smr_get3(g->shape->x, t[1]), c = smr_get3(g->shape->x, t[2]);

@@ -7,11 +7,11 @@
 #include "image/intensity_profile.h"
 #include "image/tangential_shift.h"
 
-#define SMR_LONG 16.0f       /* search distance, in samples, above which only every SMR_HOP-th sample is used */
-#define SMR_HOP 2u           /* distance of the used samples in a long search */
-#define SMR_NOISE 0.1f       /* noise level, as a share of the mean range of a structure's profiles */
-#define SMR_SIDE_VOXELS 0.5f /* search radius of the shift along the surface, in mean voxels */
-#define SMR_SIDE_SHARE 0.25f /* that radius as a share of the search distance; the larger radius is used */
+#define SMR_LONG 16.0f       /* search distance, in samples, above which only every SMR_HOP-th profile sample is used */
+#define SMR_HOP 2u           /* distance, in samples, of the samples used in a long search */
+#define SMR_NOISE 0.1f       /* noise level / mean range of a structure's profiles */
+#define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */
+#define SMR_SIDE_SHARE 0.25f /* largest shift / search distance of profiles; the larger largest shift holds */
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
@@ -21,7 +21,7 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
     g->brighter = smr_slot_bytes(a, g->brighter, shared->n, UINT8_MAX);
     g->brighter_next = smr_slot_scratch(a, g->brighter_next, shared->n, 1);
     smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
-    /* the next iteration recomputes the other fields, or smr_image_goals_derive() does */
+    /* only idle and matched are saved; the next iteration or smr_image_goals_derive() recomputes the others */
     for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++) {
         smr_image_structure none = {0}, *s = g->structure == NULL ? &none : &g->structure[k];
         smr_keep_words(a, &s->idle, 1, 1);
@@ -66,7 +66,7 @@ void smr_image_keep(smr_image_goals *g, uint32_t v)
     g->brighter_next[v] = g->brighter[v];
 }
 
-/* Returns the noise level of a structure, intensity: SMR_NOISE of the mean range of its profiles. */
+/* Returns the noise level of a structure, intensity: SMR_NOISE times the mean range of its profiles. */
 static float noise_of(const smr_model *m, const smr_shape_structure *one)
 {
     const uint32_t *ranges = smr_at(m, m->at_ranges);
@@ -95,7 +95,7 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
     g->grid = *image;
     smr_image_goals_derive(g);
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
-        g->structure[k].gain = 1.0f; /* contrast as in the profiles, until the first goals are found */
+        g->structure[k].gain = 1.0f; /* equal contrast until goals are found */
         g->structure[k].brighter = 0.0f;
     }
 }
@@ -103,8 +103,8 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
 /* The reference profile of a vertex as it is compared: all samples, or every second one in a long search. */
 typedef struct reference_profile {
     float low, range, step_mm;
-    uint32_t n, inward;  /* number of samples; samples before the vertex */
-    uint32_t hop, first; /* the stored samples first, first + hop, ... are used */
+    uint32_t n, inward;  /* number of used samples; number of them inward of the vertex */
+    uint32_t hop, first; /* stored samples first, first + hop, ... are used */
 } reference_profile;
 
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
@@ -114,13 +114,13 @@ int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
     return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
 }
 
-/* The search distance of a vertex' profile, mm. */
+/* Returns the distance, mm, within which the profile of vertex v is searched for. */
 static float sought_mm(const smr_image_goals *g, uint32_t v)
 {
     return smr_max(g->schedule->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
 }
 
-/* Returns sizes and range of the profile of v, without samples. profile_mm: search distance, mm. */
+/* Returns the profile of v as it is compared in a search within profile_mm, mm, but without its samples. */
 static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, float profile_mm)
 {
     const smr_model *m = g->shared->model;
@@ -138,7 +138,7 @@ static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, f
     return r;
 }
 
-/* Returns 1 when the samples differ. */
+/* Returns 1 when the samples line[n] are not all equal. */
 static int varies(const float *line, uint32_t n)
 {
     uint32_t k = 1;
@@ -149,9 +149,9 @@ static int varies(const float *line, uint32_t n)
 
 /* The line of image samples along which a vertex' goal is searched for. */
 typedef struct search_line {
-    smr_vec start, step;        /* first sample and vector from sample to sample, world mm */
-    uint32_t reach, edge_reach; /* search range of profile and edge, samples to either side */
-    uint32_t before, n;         /* number of samples before the vertex; number of all samples, 0: no search */
+    smr_vec start, step;        /* position of the first sample; vector from sample to sample, world mm */
+    uint32_t reach, edge_reach; /* search range of the profile; of the edge: samples to either side */
+    uint32_t before, n;         /* number of samples before the vertex; of all samples, 0: no search */
 } search_line;
 
 static search_line line_of(const smr_image_goals *g, uint32_t v, const reference_profile *r, float profile_mm)
@@ -193,14 +193,14 @@ void smr_image_ahead(const smr_image_goals *g, uint32_t v)
 
 /* The image at a goal, and the samples of the reference profile that are compared with it: every SMR_HOP-th one. */
 typedef struct image_sample {
-    smr_profile reference; /* n is 0 when a sample lies outside the image */
+    smr_profile reference; /* compared samples; n is 0 when one lies outside the image */
     uint32_t hop;
-    float first; /* position of the first sample on the line, in samples */
+    float first; /* position of the first compared sample on the search line, in samples */
     uint8_t value[SMR_PROFILE_MAX];
     float found[SMR_PROFILE_MAX];
 } image_sample;
 
-/* Samples the image at a goal. offset: from the vertex along the normal, in samples. */
+/* Writes image and profile at a goal to *sample. offset: goal minus vertex along the normal, in samples. */
 static void sample_at(const reference_profile *r, const uint8_t *value, const search_line *l, const float *line,
                       const unsigned char *inside, float offset, image_sample *sample)
 {
@@ -221,7 +221,7 @@ static void sample_at(const reference_profile *r, const uint8_t *value, const se
     sample->reference.n = n;
 }
 
-/* Stores contrast (image divided by profile) and brightness (image minus profile) at the goal of v. */
+/* Stores contrast (image / profile) and brightness ((image - profile) / noise) at the goal of v as bytes. */
 static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, float noise)
 {
     const smr_profile *const reference = &sample->reference;
@@ -229,14 +229,14 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     for (uint32_t k = 0; k < reference->n; k++)
         more += sample->found[k] - reference->low - (float)sample->value[k] * (reference->range * (1.0f / 255.0f));
     const float steps = more / ((float)reference->n * noise);
-    if (!smr_within(steps, 1.0e6f)) /* not finite, or too large for the intensities of an image */
+    if (!smr_within(steps, 1.0e6f)) /* NaN, or too large for an image */
         return;
     const float contrast = smr_contrast(reference, sample->found) * (float)SMR_CONTRAST_ONE;
     g->contrast_next[v] = (uint8_t)smr_min(contrast + 0.5f, 255.0f);
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
 
-/* The shift along the surface that improves the match at the goal, mm. */
+/* Returns the shift of v along the surface, mm, after which image and profile match better at the goal. */
 static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, const search_line *l,
                                        const image_sample *sample)
 {
@@ -251,7 +251,7 @@ static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, con
     return smr_scale(smr_tangential_shift(&g->grid, &place), g->shared->config.image.sideways);
 }
 
-/* The edge goal and its confidence, which is 1 when goals are averaged without weights. */
+/* Returns the goal by the edge search and its confidence, which is 1 when goals are averaged without weights. */
 static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const reference_profile *r,
                         const search_line *l, const float *line, const unsigned char *inside)
 {
@@ -266,7 +266,7 @@ static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const
     return edge;
 }
 
-/* Marks v as not shown by the image. */
+/* Marks v as a vertex that the image does not show. Returns SMR_INVISIBLE. */
 static int hidden(smr_image_goals *g, uint32_t v)
 {
     g->brighter_next[v] = SMR_BRIGHTER_HIDDEN;
@@ -292,7 +292,7 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    /* the reference profile, shifted to the image's brightness */
+    /* the reference profile plus the mean difference of brightness between image and profiles */
     const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n};
     const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
                                 c->image.blend == SMR_BLEND_PLAIN};

@@ -7,11 +7,11 @@
 #include "image/intensity_profile.h"
 #include "options/image/image.h"
 
-#define SMR_BESIDE 6u       /* number of places beside the vertex */
-#define SMR_BESIDE_MM 12.0f /* distance between two of the places beside the vertex, mm */
-#define SMR_SLACK 2u        /* largest offset from a place, in samples: the best offset counts */
+#define SMR_BESIDE 6u       /* number of places beside a vertex, along its normal, to compare with */
+#define SMR_BESIDE_MM 12.0f /* distance between the vertex and the first place on either side, and between places, mm */
+#define SMR_SLACK 2u        /* largest offset from a place, in samples; the best of all offsets counts */
 
-/* Returns the concordance (profile_match.c) of profile and samples, whatever their mean brightness; -1 for NaN. */
+/* Returns the concordance (profile_match.c) of profile and samples, each less its mean; -1 for NaN. */
 static float concordance(const smr_profile *r, const float *line, float noise)
 {
     float a = 0.0f, b = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
@@ -31,7 +31,7 @@ static float concordance(const smr_profile *r, const float *line, float noise)
     return smr_within(score, 1.0f) ? score : -1.0f;
 }
 
-/* Finds the best similarity near a place. Returns 0 when a sample lies outside the image. */
+/* Writes the best concordance of r with the image near the place `first`. Returns 0 when a sample lies outside. */
 static int score_at(const smr_image_goals *g, const smr_profile *r, smr_vec first, smr_vec step, float noise,
                     float *best)
 {

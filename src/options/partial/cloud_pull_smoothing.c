@@ -7,9 +7,9 @@
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
-#define SMR_ROUNDS_LEAST 2u   /* fewest rounds of smoothing */
-#define SMR_ROUNDS_MAX 12u    /* most rounds of smoothing */
-#define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex that ends the rounds */
+#define SMR_ROUNDS_LEAST 2u   /* smallest number of rounds of smoothing */
+#define SMR_ROUNDS_MAX 12u    /* largest number of rounds of smoothing */
+#define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex at which rounds of smoothing end */
 
 static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tasks(p->shared) + p->shared->n_tasks; }
 
@@ -19,7 +19,7 @@ uint32_t smr_point_spread_tasks(const void *arg)
     return p->goals->n_clouds > 0u ? p->shared->n_tasks + p->rounds * round_tasks(p) : 0u;
 }
 
-/* Takes the sum of the points' pulls on vertex v. */
+/* Sets the pull of vertex v to the sum of the points' pulls on v: x, y, z and weight; 0 without a cloud. */
 static void take(smr_point_spread *p, uint32_t v)
 {
     int64_t sum[4];
@@ -36,7 +36,7 @@ static void take(smr_point_spread *p, uint32_t v)
     p->weight += pull[3];
 }
 
-/* Adds the pull of each corner of a triangle to the sums of the other two corners. */
+/* Adds the pulls of each corner of triangle t to the sums of the other two corners. */
 static void add(const smr_point_spread *p, const uint32_t *t)
 {
     for (uint32_t c = 0; c < 3u; c++) {
@@ -49,7 +49,7 @@ static void add(const smr_point_spread *p, const uint32_t *t)
     }
 }
 
-/* Averages the pull of a vertex with its neighbours' mean. */
+/* Replaces the pull of vertex v by the average of this pull and the mesh neighbours' mean pull. */
 static void combine(smr_point_spread *p, uint32_t v)
 {
     float *pull = p->memory.pull + 4u * (size_t)v, *next = p->memory.next + 4u * (size_t)v;
@@ -62,7 +62,7 @@ static void combine(smr_point_spread *p, uint32_t v)
     p->n_reached += pull[3] > 0.0f;
 }
 
-/* Computes each structure's mean weight over the reached vertices. */
+/* Sets each target's `spread`, the mean weight of the vertices that pulls have reached. */
 static void measure(const smr_point_spread *p)
 {
     for (uint32_t i = 0; i < p->shared->n_structures; i++) {
@@ -78,7 +78,7 @@ static void measure(const smr_point_spread *p)
     }
 }
 
-/* Ends a round and decides whether another one follows. r rounds reach about 3 r (r + 1) + 1 vertices. */
+/* Ends a round of smoothing and decides whether another follows. A pull reaches about 3 r (r + 1) + 1 vertices in r. */
 static void end_round(smr_point_spread *p)
 {
     const float r = (float)p->rounds, points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);

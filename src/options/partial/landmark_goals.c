@@ -4,10 +4,10 @@
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
-#define SMR_MORE_SHARE 0.2f /* share of a hard landmark's residual that each iteration adds to the landmark's goal */
-#define SMR_MORE_MOST 0.1f  /* largest displacement of a hard landmark's goal, as a share of smr_landmark_goals.reach */
+#define SMR_MORE_SHARE 0.2f /* share of a hard landmark's residual that an iteration adds to the displacement `more` */
+#define SMR_MORE_MOST 0.1f  /* largest displacement `more` of a hard landmark's goal / smr_landmark_goals.reach */
 
-/* Returns a copy of a landmark in which all unused fields are 0. */
+/* Returns a copy of the landmark *b in which all unused fields are 0, so that saves do not depend on them. */
 static smr_bound_landmark without_rest(const smr_bound_landmark *b)
 {
     smr_bound_landmark copy = *b;
@@ -19,7 +19,7 @@ static smr_bound_landmark without_rest(const smr_bound_landmark *b)
     return copy;
 }
 
-/* Saves a landmark, as the caller gave it, and the vertices to which it is bound. */
+/* Saves or restores a landmark as the caller gave it, its foot, offset and vertices. set: 1: the landmark is set. */
 static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared *c, int set)
 {
     smr_landmark *given = &b->given;
@@ -64,7 +64,7 @@ void smr_landmark_goals_reset(smr_landmark_goals *g)
         g->landmark[k].more = smr_v(0, 0, 0);
 }
 
-/* At a last radius whose clusters have several vertices. The goals move by integral control. */
+/* Moves goals of hard landmarks by integral control, only at a last radius whose clusters have several vertices. */
 void smr_landmark_goals_commit(smr_landmark_goals *g)
 {
     const float most = SMR_MORE_MOST * g->reach;

@@ -11,24 +11,24 @@
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-#define SMR_FIELD_LENGTH 0.4f  /* kernel length as a share of the diagonal of the model's box */
-#define SMR_FIELD_NORMAL 0.02f /* noise variance of a control along its normal, as a share of the field's variance */
-#define SMR_FIELD_STIFF 4.0f   /* noise added for large clusters: factor on (cluster radius / kernel length)^2 */
-#define SMR_FIELD_PART 8u      /* vertices of the model for each control along a normal above SMR_CONTROLS of them */
-#define SMR_FIELD_LEAST 4u     /* fewest controls: fewer vertices give no field; with fewer landmarks the scale is 1 */
-#define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
-#define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark, as a share of the field's variance */
+#define SMR_FIELD_LENGTH 0.4f  /* length of the kernel / diagonal of the model's box */
+#define SMR_FIELD_NORMAL 0.02f /* noise variance of a control along its normal / variance of the field */
+#define SMR_FIELD_STIFF 4.0f   /* noise variance added to controls / (cluster radius / kernel length)^2 */
+#define SMR_FIELD_PART 8u      /* smallest number of model vertices per control, above SMR_CONTROLS controls */
+#define SMR_FIELD_LEAST 4u     /* least number of controls for a field of vertices, and for a scale other than 1 */
+#define SMR_LOOK 2048u         /* number of vertices that one task looks at to count or choose controls */
+#define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark / variance of the field */
 
-/* State of the choice of controls, in the memory of the factor. */
+/* State of the choice of controls. It lies in the memory of the Cholesky factor, which is computed later. */
 typedef struct smr_choice {
-    uint32_t control[SMR_FIELD_ROWS]; /* stored vertices that are controls */
-    uint32_t n;                       /* number of controls so far */
-    uint32_t total, passed;           /* visible vertices: all of them, and those already considered */
+    uint32_t control[SMR_FIELD_ROWS]; /* [n] stored vertices that are controls */
+    uint32_t n;                       /* number of controls chosen so far */
+    uint32_t total, passed;           /* number of visible vertices; of those already considered */
 } smr_choice;
 
 _Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "the choice lies over the factor");
 
-/* Returns the largest number of controls. Along normals it depends on the model, so that the sums' memory suffices. */
+/* Returns the largest number of controls. Without landmarks it grows with the model, as does the sums' memory. */
 static uint32_t most_of(const smr_shared *shared)
 {
     const uint32_t n_landmarks = shared->config.partial.n_landmarks;
@@ -57,7 +57,7 @@ void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
     f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
 }
 
-/* Returns 1 when the field must count visible vertices; otherwise smr_target.n_visible has their number. */
+/* Returns 1 when visible vertices must be counted for the field; otherwise smr_target.n_visible holds their number. */
 static int counts(const smr_occluded_field *f)
 {
     return f->landmarks->n > 0u || smr_field_of_image(f) || smr_field_of_part(f);
@@ -101,7 +101,7 @@ static void choose(smr_occluded_field *f, uint32_t task)
     }
 }
 
-/* Stores control k: start position `from`, present position or goal `to`. Adds the pair to the fit. */
+/* Stores start position `from` and present position or goal `to` of control k, mm. Adds both to the fit of the pose. */
 static void add_control(smr_occluded_field *f, uint32_t k, smr_vec from, smr_vec to, float weight, smr_fit *fit)
 {
     smr_put3(f->start, k, from);
@@ -131,7 +131,7 @@ static void add_visible(smr_occluded_field *f, const uint32_t *control, float ra
     }
 }
 
-/* Fits the pose of landmarks and n chosen vertices, and computes the residuals. */
+/* Makes controls of the landmarks and n chosen vertices, fits the pose to them, and computes their residuals. */
 static void begin(smr_occluded_field *f, uint32_t n)
 {
     smr_fit fit;
@@ -153,7 +153,7 @@ static void begin(smr_occluded_field *f, uint32_t n)
     }
 }
 
-/* Computes column j of the Cholesky factor. Diagonal elements are at least the rounding errors of their sums. */
+/* Computes column j of the Cholesky factor. Diagonal elements are kept above the rounding errors of their sums. */
 static void factor(smr_occluded_field *f, uint32_t j)
 {
     float least = 0.5f * smr_min(f->noise_variance[j], SMR_FIELD_NOISE);
@@ -209,7 +209,7 @@ smr_vec smr_occluded_field_follow(const smr_occluded_field *f, uint32_t v)
     return smr_scale(smr_occluded_field_displacement(f, v), f->by_normals ? smr_field_normals_step(f) : 1.0f);
 }
 
-/* Returns the mean of a and b, where b has the weight t, 0..1. */
+/* Returns the weighted mean of a and b: a has the weight 1 - t, b the weight t, 0..1. */
 static smr_vec mix(smr_vec a, smr_vec b, float t) { return smr_add(smr_scale(a, 1.0f - t), smr_scale(b, t)); }
 
 float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
@@ -221,14 +221,14 @@ float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
     return share;
 }
 
-/* Returns the part of a displacement of v along the surface, mm. */
+/* Returns the part of a displacement of vertex v that is perpendicular to v's normal, mm. */
 static smr_vec along(const smr_occluded_field *f, uint32_t v, smr_vec displacement)
 {
     const smr_vec normal = smr_get3(f->shape->normal, v);
     return smr_sub(displacement, smr_scale(normal, smr_dot(normal, displacement)));
 }
 
-/* With a tracked image and no landmarks a visible structure does not slide: at a joint another one's field pulls it. */
+/* Blends *displacement with the field. With a tracked image and no landmarks visible structures do not slide along. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement)
 {
     const float share = smr_visibility_of(f->goals, v, has_goal);
@@ -281,7 +281,7 @@ float smr_landmark_field_solve(smr_occluded_field *f)
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
     smr_solve_forward3(f->lower, f->n, f->coefficient);
-    for (uint32_t i = 0; i < f->n; i++) /* sums y^T K^-1 y = |L^-1 y|^2; the field's variance is its mean */
+    for (uint32_t i = 0; i < f->n; i++) /* sums y^T K^-1 y = |L^-1 y|^2, whose mean is the field's variance */
         sum += smr_dot(smr_get3(f->coefficient, i), smr_get3(f->coefficient, i));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
 }

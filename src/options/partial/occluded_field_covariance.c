@@ -9,19 +9,19 @@
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-#define SMR_ROUGH_CHUNK 4u     /* rows of the factor in a task */
-#define SMR_ROUGH_ROWS 96u     /* most controls from which the likelihood is computed */
-#define SMR_ROUGH_LEAST 32u    /* fewest controls: with fewer of them the deformation counts as smooth */
-#define SMR_ROUGH_LENGTH 0.15f /* length of the short term, as a share of the kernel's length */
-#define SMR_ROUGH_NOISE 0.1f   /* noise variance that the short term adds to a control / variance of the short term */
-#define SMR_ROUGH_MOTION 20.0f /* variance of the motions, as a multiple of the short term's variance */
-#define SMR_ROUGH_SURE 8.0f    /* twice the binary log-likelihood that a rough kernel must gain: odds of 16 */
+#define SMR_ROUGH_CHUNK 4u     /* number of rows of the factor that one task computes */
+#define SMR_ROUGH_ROWS 96u     /* largest number of controls from which a likelihood is computed */
+#define SMR_ROUGH_LEAST 32u    /* number of controls below which the kernel has no short term */
+#define SMR_ROUGH_LENGTH 0.15f /* length of the kernel's short term / length of the long term */
+#define SMR_ROUGH_NOISE 0.1f   /* noise variance that the short term adds to controls / variance of the short term */
+#define SMR_ROUGH_MOTION 20.0f /* factor: the motions' variance grows by 1 + this * variance of the short term */
+#define SMR_ROUGH_SURE 8.0f    /* gain of 2 log2(likelihood) below which no short term is used: odds of 16 */
 #define SMR_LOG_MIDDLE 1.41421356f
-#define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2: first coefficient of the series in log_two() */
+#define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2: first coefficient of the series for log2 in log_two() */
 
 _Static_assert(SMR_TRY_TASKS *SMR_ROUGH_CHUNK == SMR_ROUGH_ROWS, "each row has its task");
 
-/* The tried variances of the short term, as shares of the long term's variance. */
+/* The variances of the kernel's short term that are tried, divided by the long term's variance. */
 static const float roughness[SMR_FIELD_TRIES] = {0.0f, 0.1f, 0.3f};
 
 float *smr_field_start(const smr_occluded_field *f)
@@ -65,7 +65,7 @@ float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k
     return sum;
 }
 
-/* The covariance of the displacements at controls i and j, j <= i. */
+/* Returns the covariance of displacements along an axis at controls i and j, j <= i, / the field's variance. */
 static float between(const smr_occluded_field *f, uint32_t i, uint32_t j)
 {
     const int sharp = smr_field_hard(f, i) && smr_field_hard(f, j);
@@ -84,7 +84,7 @@ float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32
     return f->by_normals ? smr_field_normals_between(f, i, j, between(f, i, j)) : between(f, i, j);
 }
 
-/* The binary logarithm of a positive normal number, accurate to 1e-6: exponent plus a series for the mantissa. */
+/* Returns log2(x) of a positive normal x, accurate to 1e-6: exponent plus a series for the mantissa. */
 static float log_two(float x)
 {
     const uint32_t bits = smr_float_bits(x);
@@ -93,7 +93,7 @@ static float log_two(float x)
     return whole + 0.5f + SMR_LOG_SCALE * z * (1.0f + q * (1.0f / 3.0f + q * (1.0f / 5.0f + q * (1.0f / 7.0f))));
 }
 
-/* Sets the short term's variance, a share of the long term's, and all values that follow from it. */
+/* Sets the kernel's short term to the variance `rough` times the long term's, and all fields that depend on `rough`. */
 static void take(smr_occluded_field *f, float rough)
 {
     f->rough = rough;
@@ -102,7 +102,7 @@ static void take(smr_occluded_field *f, float rough)
     f->per_rough2 = f->per_length2 * (1.0f / (3.0f * SMR_ROUGH_LENGTH * SMR_ROUGH_LENGTH));
 }
 
-/* Computes row i of the Cholesky factor of the controls' covariance, and element i of the whitened residuals. */
+/* Computes row i of the factor of the controls' covariance and whitened residual i. Adds both to f->log, f->square. */
 static void add_row(smr_occluded_field *f, uint32_t i)
 {
     const float *const r = smr_factor_row(f->lower, i);
@@ -132,7 +132,7 @@ void smr_field_roughness_try(smr_occluded_field *f, uint32_t task)
         add_row(f, i);
     if (!enough || part + 1u < SMR_TRY_TASKS)
         return;
-    /* twice the log-likelihood, maximised over the variance, without constant terms */
+    /* 2 log2(likelihood) for the field's most likely variance, without constant terms */
     const float likelihood = f->log - (float)n * log_two(smr_max(f->square, FLT_MIN));
     const float now = likelihood + (k == 0u ? SMR_ROUGH_SURE : 0.0f);
     if (k == 0u || now > f->likelihood) {

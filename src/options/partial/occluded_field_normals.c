@@ -12,14 +12,14 @@
 #include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
 
-#define SMR_GOLDEN 2654435769u    /* 2^32 times the golden ratio's fractional part: its multiples spread evenly */
-#define SMR_FIELD_TURN 3u         /* each iteration starts this many positions later in the order of vertices */
-#define SMR_FIELD_SHEET 0.5f      /* a sheet: least length of the sum of its area vectors, as a share of its area */
-#define SMR_FIELD_FAR 9.999999e6f /* mm: above all legal coordinates; fields with larger numbers are discarded */
-#define SMR_TURN_MOST 0.1f        /* smallest divisor of Cayley's parameter (4 without a turn), near half a turn */
-#define SMR_SIZE_MOST 2.0f        /* largest factor by which one step changes the size */
+#define SMR_GOLDEN 2654435769u    /* 2^32 times the golden ratio's fractional part, whose multiples spread evenly */
+#define SMR_FIELD_TURN 3u         /* number of positions by which the order of vertices shifts in each iteration */
+#define SMR_FIELD_SHEET 0.5f      /* |sum of area vectors| / area above which the model is a sheet */
+#define SMR_FIELD_FAR 9.999999e6f /* mm: fields with larger coefficients or poses are discarded */
+#define SMR_TURN_MOST 0.1f        /* smallest value used for 1 + trace(R), a divisor that is 0 at half a turn */
+#define SMR_SIZE_MOST 2.0f        /* largest factor by which one solution changes the pose's scale */
 
-/* 0: landmarks, images or a sheet's borders determine positions. A closed target not yet covered counts as whole. */
+/* Returns 1 when goals hold the model along normals only: a partial target, no landmark, no tracked image, no sheet. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f)
 {
     uint32_t open = 0;
@@ -29,7 +29,7 @@ uint32_t smr_field_normals_only(const smr_occluded_field *f)
     return f->shared->config.partial.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
 }
 
-/* The smallest power of two that is at least n. */
+/* Returns the smallest power of two that is at least n. */
 static uint32_t period(uint32_t n)
 {
     uint32_t bits = 0;
@@ -38,13 +38,13 @@ static uint32_t period(uint32_t n)
     return 1u << bits;
 }
 
-/* Chooses controls so that one more visible vertex changes one control only. Taking every k-th visible vertex would
- * change them all, and badly determined motions would jump. */
+/* Appends visible vertices to control[n] in an order in which one more visible vertex changes one control only. Every
+ * k-th visible vertex would change all controls, and badly determined motions would jump. Returns the new n. */
 uint32_t smr_field_normals_choose(const smr_occluded_field *f, uint32_t first, uint32_t last, uint32_t *control,
                                   uint32_t n)
 {
     const uint32_t all = period(f->shared->n);
-    const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u; /* odd: each position occurs once */
+    const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u; /* odd: each vertex occurs once */
     for (uint32_t i = first; i < smr_min_u32(last, all) && n < f->most; i++) {
         const uint32_t v = (i * apart + SMR_FIELD_TURN * f->schedule->iteration) & (all - 1u);
         if (v < f->shared->n && smr_field_visibility(f, v) > SMR_VISIBLE_ONE / 2u)
@@ -60,10 +60,10 @@ float smr_field_normals_step(const smr_occluded_field *f)
     return smr_at_last_radius(f->shared, f->schedule) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
 }
 
-/* Returns the displacements along control k's normal by each unit motion: [SMR_FIELD_MOTIONS]. */
+/* Returns the array [SMR_FIELD_MOTIONS] of displacements along the normal of control k by each unit motion. */
 static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
 
-/* Twice the sum of a structure's area vectors at rest. Adds twice its area to *area. */
+/* Returns twice the sum of a structure's area vectors at rest, mm^2. Adds twice the structure's area to *area. */
 static smr_vec open_part(const smr_shared *shared, const smr_shape_structure *one, float *area)
 {
     const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
@@ -93,7 +93,7 @@ static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIO
     return sum;
 }
 
-/* Computes f->back, the motions from the pose to the start; while targets are tracked, only the change of size. */
+/* Sets f->back, the motions from the pose back to the start; while targets are tracked, only the change of size. */
 static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
 {
     const smr_pose *p = &f->pose;
@@ -134,7 +134,7 @@ float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_
     return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
 }
 
-/* Rotates v by Cayley's parameter, which gives a rotation for any size of the parameter. */
+/* Returns v rotated by the Cayley parameter `half`: tan(angle / 2) times the axis, a rotation for any length. */
 static smr_vec turned(smr_vec half, smr_vec v)
 {
     const smr_vec once = smr_add(v, smr_cross(half, v));
@@ -142,7 +142,7 @@ static smr_vec turned(smr_vec half, smr_vec v)
     return smr_add(v, smr_scale(smr_cross(half, once), per));
 }
 
-/* Adds the motions m to the pose. */
+/* Applies the motions m (shift, turn, scale about f->middle) to the pose. */
 static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
 {
     const float inverse = SMR_SQRT(f->per_length2);

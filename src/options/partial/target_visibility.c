@@ -8,21 +8,21 @@
 #include "geometry/box_tree/triangle.h"
 #include "options/partial/partial.h"
 
-#define SMR_VISIBLE_WHOLE 0.9f   /* share of visible vertices at or above which a closed target counts as whole */
-#define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which a closed target counts as a part */
-#define SMR_VISIBLE_COS 0.6f     /* cosine between normals at or above which they agree fully */
-#define SMR_VISIBLE_STEADY 8u    /* of 255: smaller changes of a visibility are ignored, so that goals converge */
-#define SMR_OFF_EDGES 0.5f       /* tolerance of goals, in mean edge lengths; SMR_OFF_RADII is added */
-#define SMR_OFF_RADII 0.1f       /* tolerance in cluster radii: a goal this far beyond a border has no weight */
-#define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance, mm */
-#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points, as a share of the distance between them */
-#define SMR_MUTUAL_NONE 1.5f     /* a goal that is off by this many tolerances has no weight; half of the weight at 1 */
-#define SMR_POINTS_FULL 0.22f    /* least weight of points at a fully visible vertex, as a share of the mean weight */
+#define SMR_VISIBLE_WHOLE 0.9f   /* share of visible vertices below which a closed target counts as a part */
+#define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which smr_visibility_partial() is 1 */
+#define SMR_VISIBLE_COS 0.6f     /* cosine of vertex' and target's normals from which the goal has full weight */
+#define SMR_VISIBLE_STEADY 8u    /* changes of a visibility, 0 .. 255, up to this are ignored, so that goals converge */
+#define SMR_OFF_EDGES 0.5f       /* tolerance of goals = this * mean edge length + SMR_OFF_RADII * radius */
+#define SMR_OFF_RADII 0.1f       /* factor on the cluster radius in the tolerance of goals */
+#define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance of goals, mm */
+#define SMR_MUTUAL_DISTANCE 0.2f /* part of the tolerance of mutual goals / mean distance of closest points */
+#define SMR_MUTUAL_NONE 1.5f     /* distance / tolerance from which a mutual goal has weight 0; at 1 it has 0.5 */
+#define SMR_POINTS_FULL 0.22f    /* weight of points / mean weight from which a vertex is fully visible */
 
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
-/* Returns 1 when visibility can be judged: a structure without triangles has no normals. */
+/* Returns 1 when visibility in structure i can be judged: it has a target surface, and triangles, hence normals. */
 static int can_judge(const smr_surface_goals *g, uint32_t i)
 {
     return g->visibility != NULL && g->target[i].surface != NULL && g->shape->structure[i].tree.n_triangles > 0u;
@@ -44,7 +44,7 @@ void smr_visibility_start(smr_surface_goals *g)
     }
 }
 
-/* Returns 1 when whole targets are judged, too: in the first iteration of each radius, and in the last one of all. */
+/* Returns 1 when whole targets are judged like parts: in the first iteration of each radius and the last of all. */
 static int judged_now(const smr_surface_goals *g)
 {
     const smr_schedule *p = g->schedule;
@@ -57,7 +57,7 @@ int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure)
     return can_judge(g, structure) && (g->target[structure].partial != 0u || judged_now(g));
 }
 
-/* The weight of a goal on an open border, 0..1, by the vertex' distance beyond the border. */
+/* Returns the weight of a goal on an open border, 0..1, which falls with the vertex' distance beyond the border. */
 static float inside_border(const smr_surface *target, const smr_hit *hit, smr_vec displacement, float tolerance)
 {
     if (!smr_surface_on_border(target, hit->triangle, hit->weight))
@@ -67,14 +67,14 @@ static float inside_border(const smr_surface *target, const smr_hit *hit, smr_ve
     return smr_clamp(1.0f - beyond / tolerance, 0.0f, 1.0f);
 }
 
-/* Sums over the model points that are closest to the corners of a target triangle. */
+/* Weighted sums over the model's points that are closest to the corners of a target triangle. */
 typedef struct answer {
-    smr_vec sum;    /* sum of the points, mm times weight */
-    float weight;   /* sum of the weights of corners with a closest point */
-    float distance; /* sum of the distances, mm times weight */
+    smr_vec sum;    /* sum of the points' positions, mm times weight */
+    float weight;   /* sum of the weights of those corners that have a closest point */
+    float distance; /* sum of the distances between corner and point, mm times weight */
 } answer;
 
-/* Adds the point closest to target vertex j on the model triangle that the target vertex found last. */
+/* Adds to *a the point of a model triangle closest to target vertex j. triangle: the one that j's last search found. */
 static void add_corner(const smr_surface_goals *g, const smr_shape_structure *one, const smr_surface *target,
                        uint32_t j, uint32_t triangle, float weight, answer *a)
 {
@@ -88,7 +88,7 @@ static void add_corner(const smr_surface_goals *g, const smr_shape_structure *on
     a->distance += weight * SMR_SQRT(d2);
 }
 
-/* The first index of a target's vertices in target_warm. */
+/* Returns the index of the first vertex of a target in target_warm. */
 static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target)
 {
     uint32_t k = 0;
@@ -97,7 +97,7 @@ static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target
     return g->goal[k].first_warm;
 }
 
-/* The weight of a goal, 0..1, by how near the target's closest points on the model are to the vertex. */
+/* Returns the weight of v's goal, 0..1: high where the model point closest to the goal is near v. */
 static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                     float tolerance)
 {
@@ -119,7 +119,7 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
 }
 
-/* Stores a visibility, 0..1. */
+/* Stores the visibility `share`, 0..1, of vertex v for the current forces; small changes keep the old value. */
 static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
 {
     const uint32_t now = (uint32_t)(share * (float)SMR_VISIBLE_ONE + 0.5f), old = g->visibility[v];
@@ -160,7 +160,7 @@ float smr_visibility_partial(const smr_surface_goals *g, uint32_t v)
     return smr_clamp((SMR_VISIBLE_WHOLE - visible) / (SMR_VISIBLE_WHOLE - SMR_VISIBLE_PART), 0.0f, 1.0f);
 }
 
-/* Computes the mean normal of the vertices that a cloud shows, which is short when the cloud surrounds the structure.
+/* Sets smr_target.view, the mean normal of vertices that a cloud shows, short when the cloud surrounds the structure.
  * Skipped unless the model is near the target, and after a jump. */
 void smr_visibility_note_view(smr_surface_goals *g)
 {
@@ -194,7 +194,7 @@ void smr_visibility_commit(smr_surface_goals *g)
     for (uint32_t v = 0; v < g->schedule->n_active; v++) {
         smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
         t->n_visible += g->visibility[v] > SMR_VISIBLE_ONE / 2u;
-        t->n_judged += g->shape->on_surface[v]; /* vertices without triangles are not judged */
+        t->n_judged += g->shape->on_surface[v]; /* only vertices of triangles are judged */
     }
     if (g->schedule->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
         return;

@@ -17,23 +17,23 @@
  * the image, may have moved; there is a new image. */
 enum { SMR_CHANGED = 1u, SMR_CHANGED_MOVED = 2u, SMR_CHANGED_SHOWN = 3u, SMR_CHANGED_IMAGE = 4u };
 
-/* Returns 1 when the schedule is done and targets are tracked. */
+/* Returns 1 when targets are tracked, which starts when the schedule is done. */
 static inline int smr_tracks(const smr_schedule *p) { return SMR_HAS_TRACK && p->tracking; }
 
-void smr_tracking_start(smr *s);     /* called when the schedule is done: x becomes tracking's rest shape */
-void smr_tracking_end(smr *s);       /* called when the schedule starts over: targets are no longer tracked */
-void smr_tracking_begin(smr *s);     /* before an iteration: takes in which inputs have changed */
-void smr_tracking_momentum(smr *s);  /* called when the iteration's targets are known: chooses the momentum */
-void smr_tracking_find_jump(smr *s); /* called when forces are complete: decides whether targets have jumped */
-void smr_tracking_next(smr *s);      /* after an iteration: next radius after a jump, or whether the model rests */
+void smr_tracking_start(smr *s);     /* when the schedule is done: starts tracking, with positions x as rest shape */
+void smr_tracking_end(smr *s);       /* when the schedule starts over: ends tracking */
+void smr_tracking_begin(smr *s);     /* before an iteration: restarts iterations when inputs have changed */
+void smr_tracking_momentum(smr *s);  /* when an iteration's targets are known: sets its momentum */
+void smr_tracking_find_jump(smr *s); /* when forces are complete: sets schedule.jumped, 1 after a jump of targets */
+void smr_tracking_next(smr *s);      /* after an iteration: sets the next radius after a jump, or `settled` */
 
-/* Progress of the iterations for the present targets, 0..1, with which search distances in an image fall. */
+/* Returns how far the search distances in an image have fallen for the present targets, 0..1; 1: smallest distance. */
 float smr_tracking_progress(const smr *s);
 
-void smr_tracking_keep(smr_arena *a, smr *s); /* saves or restores the state of tracking */
-int smr_tracking_legal(const smr *s);         /* returns 1 when the restored state is consistent */
+void smr_tracking_keep(smr_arena *a, smr *s); /* saves or restores schedule's tracking fields */
+int smr_tracking_legal(const smr *s);         /* returns 1 when restored radius and iteration are possible */
 
-/* Notes which input was set: SMR_CHANGED_... */
+/* Notes that an input was set while targets are tracked. changed: SMR_CHANGED_...; the highest one is kept. */
 static inline void smr_tracking_changed(smr *s, uint32_t changed)
 {
     if (smr_tracks(&s->schedule))

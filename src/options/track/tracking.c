@@ -9,18 +9,18 @@
 #include "options/track/track.h"
 #include "registration/schedule_radius.h"
 
-#define SMR_TRACK_REACH 12.0f    /* cluster radius / largest mean distance of goals that is no jump */
-#define SMR_TRACK_SOUGHT 0.5f    /* largest mean distance of image goals that is no jump, as a share of the search's */
-#define SMR_TRACK_FEWER 0.8f     /* share of vertices with goals / the last share: if lower, half the reach counts */
-#define SMR_TRACK_LOST 0.9f      /* that ratio in an image, where vertices out of reach may find a wrong goal nearby */
-#define SMR_TRACK_NARROWING 0.5f /* first share of a target's iterations, in which search distances in an image fall */
-#define SMR_TRACK_COARSE 24u     /* iterations at all coarser radii together after a jump */
-#define SMR_TRACK_STILL 0.2f    /* displacement at which the model rests, as a share of the targets' typical residual */
-#define SMR_TRACK_MOMENTUM 0.7f /* largest momentum after a jump: with more the model oscillates */
-#define SMR_TRACK_STEADY 0.6f   /* largest momentum for clouds beside an image: points attract faster than a surface */
-#define SMR_TRACK_CALM 0.4f /* largest momentum for clouds alone, once the model has set off: noise keeps it swinging */
-#define SMR_TRACK_SET_OFF 2u /* first iterations for new targets, with the configured momentum: less would lag behind */
-#define SMR_TRACK_GAIN 3.0f  /* largest factor on forces at coarser radii after a jump */
+#define SMR_TRACK_REACH 12.0f    /* cluster radius / mean distance of goals above which targets have jumped */
+#define SMR_TRACK_SOUGHT 0.5f    /* mean distance of goals / image search distance above which targets jumped */
+#define SMR_TRACK_FEWER 0.8f     /* share of vertices with goals / last share below which half the distance is a jump */
+#define SMR_TRACK_LOST 0.9f      /* SMR_TRACK_FEWER with an image, where vertices may find wrong goals nearby */
+#define SMR_TRACK_NARROWING 0.5f /* share of a target's iterations, the first ones, in which image searches narrow */
+#define SMR_TRACK_COARSE 24u     /* number of iterations at all coarser radii together after a jump */
+#define SMR_TRACK_STILL 0.2f     /* displacement / (stiffness * typical residual) below which the model rests */
+#define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum at radii after a jump: with more the model oscillates */
+#define SMR_TRACK_STEADY 0.6f    /* largest momentum with clouds and an image: points attract faster than a surface */
+#define SMR_TRACK_CALM 0.4f  /* largest momentum with clouds alone after the first iterations: noise causes swings */
+#define SMR_TRACK_SET_OFF 2u /* number of first iterations for new targets that use the configured momentum */
+#define SMR_TRACK_GAIN 3.0f  /* largest factor on forces at the coarser radii after a jump */
 
 void smr_tracking_momentum(smr *s)
 {
@@ -36,7 +36,7 @@ void smr_tracking_momentum(smr *s)
     s->schedule.momentum = smr_min(s->shared.config.motion.momentum, most);
 }
 
-/* Starts iterations at the radius with this index. */
+/* Starts iterations at the cluster radius with this index. */
 static void go_to(smr *s, uint32_t radius)
 {
     smr_radius_go(s, radius);
@@ -70,7 +70,7 @@ int smr_tracking_legal(const smr *s)
            p->radius_iteration <= s->shared.config.track.iterations + SMR_TRACK_COARSE;
 }
 
-/* The share of vertices with a target that have a goal, in the last complete forces. */
+/* Returns (vertices with a goal) / (vertices with a target) in the last complete forces, 0..1. */
 static float share_found(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -82,7 +82,7 @@ void smr_tracking_start(smr *s)
     s->schedule.tracking = s->schedule.settled = 1;
     s->schedule.jumped = s->schedule.recovering = 0;
     s->schedule.changed =
-        s->forces.unmeasured ? SMR_CHANGED : 0u; /* a target is newer than the schedule's last forces */
+        s->forces.unmeasured ? SMR_CHANGED : 0u; /* unmeasured: a target is newer than the last forces */
     s->schedule.found = share_found(s);
     s->schedule.noise_mm = smr_residual_typical(&s->forces.surface);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
@@ -100,7 +100,7 @@ void smr_tracking_end(smr *s)
     s->schedule.found = s->schedule.noise_mm = 0.0f;
 }
 
-/* Returns the factor on forces: above 1 at coarser radii, where vertices without a goal hold large clusters back. */
+/* Returns the factor on forces: above 1 at coarser radii, where vertices without a goal slow down large clusters. */
 static float gain_of(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -109,7 +109,7 @@ static float gain_of(const smr *s)
     return smr_min((float)t->n_with_target / (float)t->n_forces, SMR_TRACK_GAIN);
 }
 
-/* The progress rises over the first half of the iterations at the radius of tracking; at coarser radii it is 0. */
+/* Returns 0 at coarser radii; at tracking's radius a progress that rises to 1 in the first half of the iterations. */
 float smr_tracking_progress(const smr *s)
 {
     const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
@@ -118,7 +118,7 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
-/* The share of vertices with a target that have a goal without the image. Goals that the image showed count, except
+/* Returns the share of vertices with a target that have a goal without the image. Goals from the image count, except
  * where it completed a partial view. */
 static float share_without_image(const smr *s)
 {
@@ -132,7 +132,7 @@ static float share_without_image(const smr *s)
     return n_with_target > 0u ? smr_min((float)n_found / (float)n_with_target, 1.0f) : 0.0f;
 }
 
-/* Updates the age of the image. An image that was used is outdated once other targets change, until the next image. */
+/* Updates schedule.image_age. A used image is outdated once a surface or landmarks change, until the next image. */
 static void note_age(smr *s)
 {
     const int others = s->forces.surface.n_goals > 0u || s->forces.landmarks.n > 0u;
@@ -146,7 +146,7 @@ static void note_age(smr *s)
     }
 }
 
-/* Continues the search in the image when only acting inputs or the number of points of a cloud have changed. */
+/* Continues the search in the image with present goals: only inputs that move no goal have changed. */
 static void resume_image_search(smr *s)
 {
     const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
@@ -182,7 +182,7 @@ void smr_tracking_begin(smr *s)
     s->schedule.radius_iteration = 0;
 }
 
-/* The largest mean distance of goals that is no jump, mm. In an image no goal is farther than the search. */
+/* Returns the mean distance of goals above which targets jumped, mm. Image goals lie within the search distance. */
 static float reach_mm(const smr *s)
 {
     const float configured = s->shared.config.track.jump_mm, reach = s->schedule.lists.radius / SMR_TRACK_REACH;
@@ -191,10 +191,10 @@ static float reach_mm(const smr *s)
     return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->schedule.profile_mm) : reach;
 }
 
-/* Decides in the first iteration with new targets. When a partial view jumps, fewer and nearer goals remain. */
+/* Sets schedule.jumped in the first iteration with new targets. If a partial view jumps, goals are fewer and nearer. */
 void smr_tracking_find_jump(smr *s)
 {
-    /* pulls leave out residuals beyond their scale, so the mean of goals alone is small after a jump */
+    /* a cloud's goals leave out large residuals, so that goal_mean alone is small after a jump */
     const float more = smr_residual_typical(&s->forces.surface) - s->schedule.noise_mm;
     const float mean = smr_max(s->forces.totals.goal_mean, more), reach = reach_mm(s);
     if (!s->schedule.tracking || s->schedule.recovering || s->schedule.radius_iteration > 0u)
@@ -204,7 +204,7 @@ void smr_tracking_find_jump(smr *s)
     s->schedule.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
 }
 
-/* After a jump: goes to the first radius, and after enough iterations to the next one, up to that of tracking. */
+/* Goes to the first radius after a jump, and after enough iterations to the next radius, until tracking's radius. */
 static void recover(smr *s)
 {
     const uint32_t at = s->schedule.radius, to = smr_radius_after(s), first = s->shared.config.schedule.radius_first;

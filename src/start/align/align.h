@@ -1,4 +1,4 @@
-/* align.h: the stages of the start pose between two surfaces, in the order in which they run on each other.
+/* align.h: types and functions that find the start pose between two surfaces, each part built on those above.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ALIGN_H
 #define SMR_ALIGN_H
@@ -82,10 +82,10 @@ typedef struct smr_pair {
 /* One of the two surfaces and its samples. */
 typedef struct smr_align_side {
     const smr_surface *surface;
-    uint32_t n;      /* number of samples */
+    uint32_t n;      /* number of samples of the surface */
     smr_vec *point;  /* [n] position of each sample relative to the surface's origin, mm */
     smr_vec *normal; /* [n] outward unit normal of each sample */
-    float *weight;   /* [n] area around each sample divided by the mean area of a vertex */
+    float *weight;   /* [n] area around each sample / mean area around a vertex */
     smr_pair *pair;  /* [n] closest point of each sample on the other surface */
     uint32_t bare;   /* 1: the surface is a cloud without normals */
     float outward;   /* factor that turns normals outwards: 1; -1: closed and inside out */
@@ -105,7 +105,7 @@ void smr_align_side_make(smr_align_side *side, const smr_surface *surface, uint3
 
 enum { SMR_MODEL, SMR_TARGET, SMR_SIDES };
 
-/* Two surfaces being aligned, in the caller's memory. */
+/* The two surfaces that are aligned, their samples, and scratch, in the caller's memory. */
 typedef struct smr_aligner {
     smr_align_side side[SMR_SIDES];
     uint32_t *order; /* [samples] scratch of a quantile: squared distances as integers */
@@ -158,7 +158,7 @@ typedef struct smr_coarse {
     float limit;                         /* distance beyond which samples do not match, mm */
 } smr_coarse;
 
-void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* copies samples of both sides */
+void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
 
 /* Adds the best poses of this scale to `found`, at most two per rotation, with the first n_shifts translations, of the
  * model or, with `mirrored` 1, of the model's mirror image. */

@@ -30,7 +30,7 @@
 #define SMR_ALIKE_COST 1.1f        /* largest cost / cost of the best pose with which a pose counts as equally good */
 #define SMR_ALIKE_SLACK 0.01f      /* cost added to SMR_ALIKE_COST times the best pose's cost */
 #define SMR_POSE_ROUNDING 1.0e-3f  /* largest |R^T R - I| in an entry of the given pose's rotation R */
-#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; its inverse is the smallest */
+#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; the smallest is 1 / this */
 
 /* Working state of smr_align(), in the caller's memory. */
 typedef struct align_work {
@@ -57,7 +57,7 @@ static int pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose 
     float trace = 0.0f;
     for (uint32_t i = 0; i < 9u; i++)
         trace += p->m[i / 3u][i % 3u] * q->m[i / 3u][i % 3u];
-    trace /= smr_pose_scale(p) * smr_pose_scale(q); /* 1 + 2 cos of the angle between both */
+    trace /= smr_pose_scale(p) * smr_pose_scale(q); /* 1 + 2 cos(angle of the rotation between p and q) */
     return trace < 1.0f + 2.0f * cosine || shift_between(a, p, q) > shift * a->side[SMR_TARGET].spread;
 }
 
@@ -144,7 +144,7 @@ static int is_legal(const smr_align_config *c)
            c->iterations <= 1000u && c->samples >= 16u && c->samples <= 100000u;
 }
 
-/* Returns 1 for a rotation with one scale and a translation within the limits. */
+/* Returns 1 when *p is a rotation with one scale for all axes and a translation, all within the limits. */
 static int is_pose(const smr_pose *p)
 {
     const float scale = smr_pose_scale(p);

@@ -18,7 +18,7 @@
 #include "geometry/surface/mesh.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
-#define SMR_WARP_AFFINE 4u      /* number of columns of P */
+#define SMR_WARP_AFFINE 4u      /* number of columns of P: 1 and three coordinates */
 #define SMR_SAME_MM 1.0e-4f     /* distance at or below which landmarks are merged, mm */
 #define SMR_SAME_SHARE 2.0e-5f  /* distance of merged landmarks / extent of all; the larger distance counts */
 #define SMR_LINE_SHARE 1.0e-3f  /* second variance / largest, at or below which landmarks are collinear */
@@ -39,12 +39,12 @@ struct smr_warp {
 typedef struct job {
     smr_warp *warp;
     float *goal;       /* [n][3] goal of each distinct landmark, mm from warp->to: mean of duplicates */
-    float *count;      /* [n] number of landmarks merged into each */
-    float *matrix;     /* [n + 4][n + 4] matrix of the equations */
-    float *side;       /* [n + 4][3] right-hand sides */
+    float *count;      /* [n] number of landmarks merged into each distinct one */
+    float *matrix;     /* [n + 4][n + 4] matrix of the spline's equations */
+    float *side;       /* [n + 4][3] right-hand sides of the spline's equations in x, y and z */
     smr_system system; /* the equations with matrix, right-hand sides and scratch */
-    smr_vec axis[3];   /* principal directions divided by the spread along them */
-    float variance[3]; /* variances along the principal directions in units of u^2, largest first */
+    smr_vec axis[3];   /* landmarks' principal directions, each divided by the spread along it */
+    float variance[3]; /* landmarks' variances along their principal directions, u^2, largest first */
     float lambda;      /* smoothing parameter in units of u */
     uint32_t n;        /* number of distinct landmarks */
 } job;
@@ -79,7 +79,7 @@ smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
     return SMR_OK;
 }
 
-/* Returns the largest distance of a point from the first of n points. */
+/* Returns the largest distance from the first of the points xyz[n][3] to another of them. */
 static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
@@ -178,7 +178,7 @@ static void fill_equations(const job *j, const smr_warp *w, float unit)
     }
 }
 
-/* Fits the spline into *w. Returns 0 when the equations are singular in this precision. */
+/* Fits a spline to the landmarks and writes the spline to *w. Returns 0 when the equations are singular for floats. */
 static int fit_spline(job *j, smr_warp *w)
 {
     const float unit = smr_max(1.0f, j->lambda);
