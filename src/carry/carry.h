@@ -18,7 +18,7 @@
 #define SMR_CARRY_MORE 12u  /* how many nearest vertices are taken from each thinner selection */
 #define SMR_CARRY_NEAR (SMR_CARRY_FIRST + (SMR_CARRY_DENSITIES - 1u) * SMR_CARRY_MORE)
 #define SMR_CARRY_CHUNK 64u    /* number of points that one task handles */
-#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's short-range part / variance of its long-range part */
+#define SMR_CARRY_ROUGH 0.002f /* variance of the covariance's rough (short-range) / smooth part */
 
 /* A selection of vertices, every stride-th one along a Hilbert curve, and a tree of boxes around groups of eight. */
 typedef struct smr_carry_thin {

@@ -20,7 +20,7 @@
 #define SMR_FACING_NONE (-0.5f) /* cosine of exit direction and inward normal at or below which contacts weigh 0 */
 #define SMR_FACING_FULL (-0.3f) /* cosine of exit direction and inward normal at or above which contacts weigh 1 */
 #define SMR_PASSED 4.0f         /* exit depth / depth of the nearest triangle above which a contact loses weight */
-#define SMR_TRIANGLES_LAST 2u   /* number of last iterations that test triangles' centres; with more they drift */
+#define SMR_TRIANGLES_LAST 2u   /* number of last iterations that test triangles' centres; with more, vertices drift */
 #define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres is gap_mm plus this, mm */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
 #define SMR_PROJECT_PASSES 3u /* number of passes of the projection over all contacts */
@@ -325,7 +325,7 @@ static void move(const smr_contact *c, const place *p, smr_vec out, float mm)
     }
 }
 
-/* Moves a point and the touched triangle apart along the contact's normal, until they are gap_mm apart. */
+/* Moves a point and the touched triangle apart along the contact's normal, up to a distance of gap_mm. */
 static void separate(const smr_contact *c, const place *p, const smr_touch *touch)
 {
     const uint32_t *t = corners_of(c, touch);

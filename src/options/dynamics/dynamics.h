@@ -57,7 +57,7 @@ typedef struct smr_dynamics {
     float *bent;         /* [n_structures] reported elastic energy of a group, uJ, in its first structure */
     float *spare;        /* [n_structures] energy that later steps may add to a group, uJ, in its first structure */
     smr_step_sums *sums; /* [n_structures] sums of a time step for each structure and group */
-    uint32_t structure, vertex; /* structure, and vertex in it, at which the summation goes on */
+    uint32_t structure, vertex; /* next structure of the summation, and next vertex of this structure */
     float *begin;               /* [n][3] positions at the start of the time step, mm */
     float *velocity;            /* [n][3] velocities at the start of the time step, mm/s */
     float *mass;                /* [n] mass of each vertex as set, g; 0: pinned, moves at its set velocity */

@@ -80,7 +80,7 @@ void smr_image_ahead(const smr_image_goals *g, uint32_t v); /* prefetches voxels
  * those lost by v, out of *n. *n is 0 when v has no profile or a sample at v lies outside the image. */
 void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n);
 
-/* Step: sums positions of mesh neighbours, then smr_fill_displacement(): the step of a vertex without a goal, mm. */
+/* Step: sums positions of mesh neighbours. Then smr_fill_displacement() returns a goalless vertex' displacement, mm. */
 uint32_t smr_fill_tasks(const void *goals);
 uint32_t smr_fill_abreast(const void *goals);
 void smr_fill_pieces(void *goals, int cut);

@@ -46,7 +46,7 @@ static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
     const float lost = smr_clamp((SMR_MATCHED_WELL - share) / (SMR_MATCHED_WELL - SMR_MATCHED_BADLY), 0.0f, 1.0f);
     /* the largest search distance falls with the schedule at the last radius only */
     const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
-    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* beyond, it may find other structures */
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* larger ranges reach other structures */
     const float far = smr_min(smr_min(most, p->lists.radius), half);
     return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
 }

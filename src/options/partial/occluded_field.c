@@ -23,7 +23,7 @@
 typedef struct smr_choice {
     uint32_t control[SMR_FIELD_ROWS]; /* [n] stored vertices that are controls */
     uint32_t n;                       /* number of controls chosen so far */
-    uint32_t total, passed;           /* number of visible vertices; of those already considered */
+    uint32_t total, passed;           /* number of visible vertices; number of those already looked at */
 } smr_choice;
 
 _Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "the choice lies over the factor");

@@ -14,7 +14,7 @@
 #define SMR_ROUGH_LEAST 32u    /* number of controls below which the kernel has no short term */
 #define SMR_ROUGH_LENGTH 0.15f /* length of the kernel's short term / length of the long term */
 #define SMR_ROUGH_NOISE 0.1f   /* noise variance that the short term adds to controls / variance of the short term */
-#define SMR_ROUGH_MOTION 20.0f /* factor: the motions' variance grows by 1 + this * variance of the short term */
+#define SMR_ROUGH_MOTION 20.0f /* growth of the motions' variance / variance of the short term */
 #define SMR_ROUGH_SURE 8.0f    /* gain of 2 log2(likelihood) below which no short term is used: odds of 16 */
 #define SMR_LOG_MIDDLE 1.41421356f
 #define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2: first coefficient of the series for log2 in log_two() */

@@ -134,7 +134,7 @@ float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_
     return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
 }
 
-/* Returns v rotated by the Cayley parameter `half`: tan(angle / 2) times the axis, a rotation for any length. */
+/* Returns v rotated by the Cayley parameter `half`: tan(angle / 2) times the unit axis. Any length is a rotation. */
 static smr_vec turned(smr_vec half, smr_vec v)
 {
     const smr_vec once = smr_add(v, smr_cross(half, v));

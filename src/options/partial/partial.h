@@ -16,7 +16,7 @@
 
 /* ---- visibility ---- */
 
-/* Returns 1 when there is memory for visibilities: they may be judged. */
+/* Returns 1 when visibilities of vertices are judged: their array exists. */
 static inline int smr_visibility_on(const smr_surface_goals *g) { return SMR_HAS_PARTIAL && g->visibility != NULL; }
 
 /* Returns 1 when the target is a cloud of points. */
@@ -119,7 +119,7 @@ static inline float smr_wendland(float distance)
 #define SMR_FIELD_ROUNDED 1.0e-5f /* rounding error of a sum of SMR_FIELD_ROWS products / variance */
 #define SMR_FIELD_STEP 0.8f      /* with controls along normals: share of the field's displacement an iteration takes */
 #define SMR_FIELD_FOLLOW 0.35f   /* share of the field's displacement an iteration takes while targets are tracked */
-#define SMR_FIELD_MEAN 0.1f      /* that share at the last radius: small, to average controls of several iterations */
+#define SMR_FIELD_MEAN 0.1f      /* share of the field's displacement that an iteration at the last radius takes */
 #define SMR_MOTION_VARIANCE 8.0f /* variance of motions, as displacements at one kernel length / field's variance */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 
@@ -182,7 +182,7 @@ int smr_field_hard(const smr_occluded_field *f, uint32_t k); /* returns 1 for a 
 float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k, int sharp);
 /* Returns the covariance of what is known at controls i and j, j <= i, without noise. */
 float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32_t j);
-/* Runs a task of SMR_FIELD_TRIES * SMR_TRY_TASKS that try each roughness; the last one sets the likeliest roughness. */
+/* Runs one of SMR_FIELD_TRIES * SMR_TRY_TASKS tasks that try each roughness. The last task sets the likeliest one. */
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
 
 size_t smr_occluded_field_words(const smr_shared *shared); /* returns 32-bit words that the field needs */

@@ -12,7 +12,7 @@
 #define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which smr_visibility_partial() is 1 */
 #define SMR_VISIBLE_COS 0.6f     /* cosine of vertex' and target's normals from which the goal has full weight */
 #define SMR_VISIBLE_STEADY 8u    /* changes of a visibility, 0 .. 255, up to this are ignored, so that goals converge */
-#define SMR_OFF_EDGES 0.5f       /* tolerance of goals = this * mean edge length + SMR_OFF_RADII * radius */
+#define SMR_OFF_EDGES 0.5f       /* factor on the mean edge length in the tolerance of goals */
 #define SMR_OFF_RADII 0.1f       /* factor on the cluster radius in the tolerance of goals */
 #define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance of goals, mm */
 #define SMR_MUTUAL_DISTANCE 0.2f /* part of the tolerance of mutual goals / mean distance of closest points */

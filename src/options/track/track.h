@@ -23,7 +23,7 @@ static inline int smr_tracks(const smr_schedule *p) { return SMR_HAS_TRACK && p-
 void smr_tracking_start(smr *s);     /* when the schedule is done: starts tracking, with positions x as rest shape */
 void smr_tracking_end(smr *s);       /* when the schedule starts over: ends tracking */
 void smr_tracking_begin(smr *s);     /* before an iteration: restarts iterations when inputs have changed */
-void smr_tracking_momentum(smr *s);  /* when an iteration's targets are known: sets its momentum */
+void smr_tracking_momentum(smr *s);  /* when targets are known: sets the iteration's momentum */
 void smr_tracking_find_jump(smr *s); /* when forces are complete: sets schedule.jumped, 1 after a jump of targets */
 void smr_tracking_next(smr *s);      /* after an iteration: sets the next radius after a jump, or `settled` */
 

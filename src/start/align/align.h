@@ -130,7 +130,7 @@ static inline float smr_cost_of_sides(float a, float b) { return smr_min(a, b) +
 void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples);
 /* Returns the distance beyond which pairs are outliers, mm, from the distances of the better-matching side. */
 float smr_pairs_limit(const smr_aligner *a);
-/* Returns the share of a side's area, 0..1, whose samples are nearer to the other side than `limit` mm. */
+/* Returns the share of a side's samples, 0..1, weighted by area, that are nearer to the other side than `limit` mm. */
 float smr_pairs_share(const smr_aligner *a, uint32_t side, float limit);
 /* Returns the cost of a pose from both sides' means of min(1, distance / a->limit)^2. 0: all match; 1.5: none does. */
 float smr_pairs_cost(const smr_aligner *a);
@@ -148,7 +148,7 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
 
 #define SMR_COARSE 96u     /* number of samples of each side; a multiple of SMR_COARSE_LANES */
 #define SMR_SHIFTS 7u      /* number of translations tried with each rotation */
-#define SMR_SHIFTS_LONG 3u /* the first ones of these: centroid, and both ends of the longest axis */
+#define SMR_SHIFTS_LONG 3u /* number of translations: by centroids, and by both ends of the longest axis */
 
 /* The samples of both surfaces for the coarse search. */
 typedef struct smr_coarse {

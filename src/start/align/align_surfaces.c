@@ -14,7 +14,7 @@
 #define SMR_FINALISTS 4u           /* largest number of poses that get a longer refinement */
 #define SMR_OF_SCALE 8u            /* number of poses kept from a search at another scale or for the mirror image */
 #define SMR_LARGER 1.136f          /* scale of a further search, as is its inverse: a part's spread gives no scale */
-#define SMR_SAME_SIZE 0.03f        /* no search at the spreads' ratio where this ratio differs from 1 by less */
+#define SMR_SAME_SIZE 0.03f        /* largest |ratio of the spreads - 1| without a search at this ratio */
 #define SMR_ALIKE_COS 0.95f        /* smallest cosine of the rotation between two similar poses (18 degrees) */
 #define SMR_ALIKE_SHIFT 0.1f       /* largest distance between two similar poses / spread of the target */
 #define SMR_ALIKE_SCALE 1.04f      /* largest ratio of the scales of two similar poses */
@@ -215,7 +215,7 @@ static int refine_best(align_work *w, const smr_align_config *config, smr_pose *
         smr_pairs_find(a, pose, w->some);
         if (!scaled || smr_pairs_cost(a) <= SMR_WHOLE_WORSE * cost + SMR_WHOLE_SLACK)
             return 1;
-        *pose = best; /* the cost has grown: the refinement has laid unlike parts over each other */
+        *pose = best; /* the cost has grown: the refinement has matched unlike parts */
     }
     if (!scaled)
         (void)smr_align_refine(a, w->some, 1, SMR_REFINE_TRIMMED, pose);
@@ -230,7 +230,7 @@ static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, cons
     return smr_pairs_rms(a, share);
 }
 
-/* Writes to *r how many poses match about as well as the best, and the least rms of a clearly different one, mm. */
+/* Writes to *r the number of poses that match as well as the best, and the least rms of clearly different poses, mm. */
 static void compare_others(align_work *w, const float share[SMR_SIDES], smr_align_report *r)
 {
     const smr_pose_list *best = &w->best;

@@ -247,7 +247,7 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     return SMR_OK;
 }
 
-/* Moves the point p by the warp. The sum over kernels adds its rounding errors: large weights of landmarks cancel. */
+/* Moves the point p by the warp. Rounding errors of the kernels' sum are added at the end: large weights cancel. */
 static void warp_point(const smr_warp *w, float *p)
 {
     const smr_vec u = smr_scale(smr_sub(smr_load(p), w->from), w->per_mm);
