@@ -14,8 +14,8 @@
 #error "-ffast-math changes results: compile smr without it, see docs/SPEC.md, section 1"
 #endif
 
-/* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". GCC reports 16,
- * under which float is evaluated in float, too, for processors with AVX512-FP16 unless -std= is strict. */
+/* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". Float is
+ * evaluated in float under 0 and under 16, which GCC reports for AVX512-FP16 processors unless -std= is strict. */
 _Static_assert(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16, "float arithmetic must be done in float");
 _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754 binary32");
 
@@ -37,7 +37,7 @@ static inline float smr_clamp(float a, float lo, float hi) { return smr_min(smr_
 static inline uint32_t smr_min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
-/* Returns the smaller value, in a number of instructions that does not depend on the values. */
+/* Returns the smaller of a and b, in a number of instructions that does not depend on the values. */
 static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 {
     const uint64_t mask = 0u - (uint64_t)(a < b);
@@ -46,7 +46,7 @@ static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
-/* Returns max(a, 0), and 0 for -0. Without a branch, so that compilers vectorise loops over it. */
+/* Returns a when a is positive, otherwise +0. The function has no branch, so compilers vectorise loops that call it. */
 static inline float smr_positive(float a)
 {
     int32_t bits;
@@ -59,7 +59,7 @@ static inline float smr_positive(float a)
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* A loop of the port. Each worker sums the numbers of its tasks, without atomics, so that a task left out shows. */
+/* A parallel loop run by the caller's port. Sums of task numbers, one a worker, reveal a task that did not run. */
 typedef struct smr_loop {
     smr_task run;
     void *arg;
@@ -71,19 +71,19 @@ static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
 {
     smr_loop *l = arg;
     if (worker >= l->n_workers)
-        return; /* the worker has no memory of its own */
+        return; /* the port gave a worker number out of range, for which there is no memory */
     l->run(l->arg, task, worker);
     l->done[worker] += 2u * task + 1u;
 }
 
-/* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1 and returns 1 when all are done. Without a parallel
- * port, or with one task, the calling thread runs the tasks in order. Returns 0 when the port has broken its contract.
- * The number of tasks must follow from the model, never from the number of workers: results do not depend on them. */
+/* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1. Returns 1 when all tasks are done, 0 when the port
+ * has not run each task once. Without a parallel port, or with one task, the calling thread runs the tasks in order.
+ * n_tasks must follow from the model, never from the number of workers, so that results do not depend on that. */
 static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
 {
     if (port->parallel != NULL && n_tasks > 1u) {
         smr_loop loop = {run, arg, port->n_workers, {0}};
-        uint32_t left = n_tasks * n_tasks; /* the sum over all tasks */
+        uint32_t left = n_tasks * n_tasks; /* sum of 2 task + 1 over all tasks, less those done */
         port->parallel(port->ctx, smr_loop_task, &loop, n_tasks);
         for (uint32_t w = 0; w < loop.n_workers; w++)
             left -= loop.done[w];
@@ -94,7 +94,7 @@ static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32
     return 1;
 }
 
-/* Union-find: returns the root of i's set and shortens the path to it. parent[i]: the element above i; i at a root. */
+/* Union-find: returns the root of i's set and shortens the path to it. parent[i]: the element above i; i for a root. */
 static inline uint32_t smr_set_root(uint32_t *parent, uint32_t i)
 {
     while (parent[i] != i)
@@ -102,7 +102,7 @@ static inline uint32_t smr_set_root(uint32_t *parent, uint32_t i)
     return i;
 }
 
-/* The cookie of a configuration: tag, minor version and struct size. Other versions' configurations have other ones. */
+/* The cookie of a configuration: tag, minor version and struct size, by which other versions' structs are refused. */
 #define SMR_COOKIE(tag, type)                                                                                          \
     (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
 

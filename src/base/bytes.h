@@ -46,7 +46,7 @@ static inline uint64_t smr_mix(uint64_t z)
     return z ^ (z >> 31);
 }
 
-/* Returns the CRC-32 (IEEE 802.3, reflected) of n bytes, continued from crc (0 to start). */
+/* Returns the CRC-32 (IEEE 802.3, reflected) of the n bytes at data. crc: CRC-32 of the bytes before them, or 0. */
 uint32_t smr_crc32(uint32_t crc, const void *data, size_t n);
 
 #endif

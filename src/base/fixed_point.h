@@ -8,21 +8,21 @@
 #include "base/bytes.h"
 #include "base/vec.h"
 
-/* Returns the scale: the largest power of two s with bound * s <= 2^30, within 2^-60 .. 2^60; 1 for a bound of 0.
- * bound: the largest absolute value of a final sum, finite and not negative. */
+/* Returns the factor s from floats to fixed point: the largest power of two in 2^-60 .. 2^60 with bound * s <= 2^30.
+ * bound: the largest absolute value of a final sum, finite and not negative; 0 gives s = 1. */
 static inline float smr_fixed_scale(float bound)
 {
     if (!(bound > 0.0f))
         return 1.0f;
-    /* bound = m 2^e with 1 <= m < 2: s = 2^(29 - e), or 2^(30 - e) when m is 1. e and m are read from the bits. */
+    /* bound is m 2^e with 1 <= m < 2, as its bits tell. The scale is 2^(29 - e), or 2^(30 - e) when m is 1. */
     const uint32_t bits = smr_float_bits(bound);
     const int e = (int)(bits >> 23) - 127, fits = 29 - e + ((bits & 0x7fffffu) == 0u ? 1 : 0);
     const int power = fits < -60 ? -60 : (fits > 60 ? 60 : fits);
     return smr_float_of((uint32_t)(power + 127) << 23);
 }
 
-/* Returns v rounded to the nearest integer, halves away from zero, as two's complement. Odd integers within
- * 2^23 .. 2^24 round to the even integer above, values beyond +-2^30 to that limit, NaN to 2^30. */
+/* Returns v rounded to the nearest integer, halves away from zero, as two's complement. Odd integers of
+ * 2^23 .. 2^24 grow by 1 in size, to even integers; values beyond +-2^30 become that limit, and NaN becomes 2^30. */
 static inline uint32_t smr_fixed(float v)
 {
     const float limit = 1073741824.0f;
@@ -40,7 +40,7 @@ static inline float smr_unfix(uint32_t sum, float inverse_scale)
     return (float)v * inverse_scale;
 }
 
-/* Returns three final sums as a vector. */
+/* Returns the three sums at `sum` as a vector of floats: their signed values times inverse_scale. */
 static inline smr_vec smr_unfix3(const uint32_t *sum, float inverse_scale)
 {
     return smr_v(smr_unfix(sum[0], inverse_scale), smr_unfix(sum[1], inverse_scale), smr_unfix(sum[2], inverse_scale));

@@ -65,7 +65,7 @@ void smr_keep_pose(smr_arena *a, smr_pose *pose, float most)
 
 enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
 
-/* Begins `count` values of `size` bytes, this kind and this range. Returns 1 when they must be processed one by one. */
+/* Adds count, kind and range of values to the checksum k->plan. Returns 1 when the values are to be processed. */
 static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
 {
     const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
@@ -79,7 +79,7 @@ static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32
     return !k->wrong;
 }
 
-/* Writes *value to the save, or reads *value from it. */
+/* Appends *value to the bytes of a save; in a check or restore reads the next word of those bytes into *value. */
 static void word(smr_keeper *k, uint32_t *value)
 {
     uint32_t stored = smr_le32(*value);
@@ -132,7 +132,7 @@ static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
     }
 }
 
-/* Returns 1 when the pose's columns are about equally long and at right angles: the bounds of cluster sums need it. */
+/* Returns 1 when the pose's columns are about equally long and at right angles, as bounds of sums demand. */
 static int is_similarity(const smr_pose *p)
 {
     const smr_vec a = smr_column(p, 0), b = smr_column(p, 1), c = smr_column(p, 2);

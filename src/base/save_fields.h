@@ -7,18 +7,18 @@
 
 #include "base/arena.h"
 
-/* What happens to saved values. No slot is placed in any of these modes. */
+/* Modes of a keeper: what happens to saved values. No slot is placed in any of these modes. */
 enum {
     SMR_KEEP_COUNT = 1, /* count the bytes of all values */
     SMR_KEEP_SAVE,      /* check each value and write it to `to` */
-    SMR_KEEP_CHECK,     /* read each value from `from` and check it; store fields, but no slots: they are not placed */
+    SMR_KEEP_CHECK,     /* read each value from `from` and check it; store values of struct fields, not of slots */
     SMR_KEEP_RESTORE    /* read each value from `from`, check it and store it */
 };
 
 struct smr_keeper;
 
-/* Functions that process saved values. Only save and restore name this table, so a program that does neither links none
- * of them. field NULL: checked values are not stored. or_none: SMR_NONE is legal, too. */
+/* Functions that write, check or read arrays of saved values. Only save and restore name smr_keep_all, so a program
+ * that does neither links none of these functions. field NULL: no value is stored. or_none 1: SMR_NONE is legal. */
 typedef struct smr_keep_calls {
     void (*words)(struct smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none);
     void (*floats)(struct smr_keeper *k, float *field, size_t count, float least, float most);
@@ -30,7 +30,7 @@ extern const smr_keep_calls smr_keep_all;
 
 typedef struct smr_keeper {
     const smr_keep_calls *calls;
-    void (*fields)(smr_arena *a, smr *s); /* lists the saved fields that lie beside the slots */
+    void (*fields)(smr_arena *a, smr *s); /* passes all saved struct fields to smr_keep_...() */
     uint32_t mode;                        /* SMR_KEEP_... */
     uint32_t wrong;            /* 1: a value was outside the legal range, or the saved bytes ended too early */
     uint32_t plan;             /* checksum of the counts, kinds and ranges of the values listed so far */
@@ -39,20 +39,20 @@ typedef struct smr_keeper {
     size_t at, bytes;          /* number of bytes processed so far; number of all bytes of to or from */
 } smr_keeper;
 
-/* Returns 1 while saved values are processed and no slots are placed. */
+/* Returns 1 while the arena counts, saves, checks or restores values instead of placing slots. */
 static inline int smr_keeps(const smr_arena *a) { return a->keeper != NULL; }
 
-/* Place a slot of count elements, or process its values and return its address `now`. A scratch slot is not saved, but
- * written before it is read. Legal: floats within +-most; indexes below `below`, or SMR_NONE; bytes up to `most`. */
+/* Place a slot of count elements and return its address; in a save or restore process the values of the slot at `now`
+ * and return `now`. Scratch is not saved. Legal: floats within +-most; indexes < below, or SMR_NONE; bytes <= most. */
 void *smr_slot_scratch(smr_arena *a, void *now, size_t count, size_t size);
 float *smr_slot_floats(smr_arena *a, float *now, size_t count, float most);
 uint32_t *smr_slot_indexes(smr_arena *a, uint32_t *now, size_t count, uint32_t below);
 uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most);
-/* Process saved fields of a struct, unless slots are placed. Legal are words up to `most` and floats least .. most. */
+/* Save or restore fields of a struct; do nothing while slots are placed. Legal: words <= most, floats least .. most. */
 void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most);
 void smr_keep_floats(smr_arena *a, float *field, size_t count, float least, float most);
 void smr_keep_long(smr_arena *a, uint64_t *field);
-void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* a similarity with entries within +-most */
+void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* legal: a similarity, entries within +-most */
 void smr_keep_require(smr_arena *a, int legal);               /* marks the save as wrong unless `legal` is 1 */
 
 #endif

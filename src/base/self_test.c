@@ -4,9 +4,9 @@
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
 
-#define SMR_PROBES 4u /* operations of each probe, enough to be vectorised: vector units may have a mode of their own */
+#define SMR_PROBES 4u /* products in a probe, enough to be vectorised: vector units may flush in a mode of their own */
 
-/* Returns v in a way that the compiler cannot compute beforehand. */
+/* Returns v by way of volatile memory, so that the compiler cannot compute with v beforehand. */
 static float number(float v)
 {
     const volatile float at = v;
@@ -19,7 +19,7 @@ static float number_of_bits(uint32_t bits)
     return smr_float_of(at);
 }
 
-/* Returns 1 when each of the SMR_PROBES products a[i] * b[i] has these bits. */
+/* Returns 1 when the bits of each of the SMR_PROBES products a[i] * b[i] equal `bits`. */
 static int products_are(const float *a, const float *b, uint32_t bits)
 {
     float product[SMR_PROBES];
@@ -31,17 +31,17 @@ static int products_are(const float *a, const float *b, uint32_t bits)
     return same;
 }
 
-/* Returns 1 when products and sums are fused: (1 + 2^-12)^2 = 1 + 2^-11 + 2^-24 then keeps the last term, which a float
- * loses. Each product has inputs of its own, because compilers do not fuse a product that is used twice. */
+/* Returns 1 when product and sum are rounded only once: (1 + 2^-12)^2 = 1 + 2^-11 + 2^-24 then keeps the last term,
+ * which a float loses. Each product has its own inputs, because compilers do not fuse a product that is used twice. */
 static int fused(void)
 {
-    const float x = 1.000244140625f, z = number(1.00048828125f), lost = 5.9604644775390625e-8f; /* 2^-24 */
+    const float x = 1.000244140625f, z = number(1.00048828125f), lost = 5.9604644775390625e-8f; /* lost: 2^-24 */
     const float less = number(x) * number(x) - z, more = z - number(x) * number(x);
     const float sum = number(x) * number(x) + -z;
     return less == lost || more == -lost || sum == lost;
 }
 
-/* Returns 1 when results or inputs below 2^-126 are flushed: 2^-126 / 2 or 2^-149 * 2^30 is then 0. */
+/* Returns 1 when results or inputs below 2^-126 are flushed to 0: 2^-126 / 2 or 2^-149 * 2^30 is then 0. */
 static int flushed(void)
 {
     float small[SMR_PROBES], half[SMR_PROBES], smallest[SMR_PROBES], large[SMR_PROBES];
@@ -56,17 +56,17 @@ static int flushed(void)
            smr_float_bits(difference) != 1u;
 }
 
-/* Returns 1 when sums keep more bits than a float, or the compiler takes a + b - a for b: 2^24 + 1 has no float. */
+/* Returns 1 when (a + b) - a is b for 2^24 and 1: sums keep more bits than a float, which cannot hold 2^24 + 1. */
 static int excess(void)
 {
     const float a = number(16777216.0f), b = number(1.0f);
     return (a + b) - a == 1.0f;
 }
 
-/* Returns 1 unless sums, quotients, roots and conversions round to the nearest float, and halves to even. */
+/* Returns 1 when a sum, quotient, root or conversion is not rounded to the nearest float, halves to even. */
 static int rounded(void)
 {
-    const float one = number(1.0f), step = number(1.1920928955078125e-7f); /* 2^-23, from one float to the next */
+    const float one = number(1.0f), step = number(1.1920928955078125e-7f); /* step: 2^-23, from 1 to the next float */
     const float next = one + step, down = one + 0.25f * step, up = one + 0.75f * step;
     const int nearest = down == one && up == next && -one - 0.25f * step == -one && -one - 0.75f * step == -next;
     const int even = one + 0.5f * step == one && next + 0.5f * step == one + 2.0f * step;
@@ -76,7 +76,7 @@ static int rounded(void)
            smr_float_bits(root) != 0x3fb504f3u;
 }
 
-/* With excess bits, sums and quotients also look fused and wrongly rounded: only the excess is reported then. */
+/* Returns SMR_FLOAT_... of each fault found. Excess bits would look like other faults: then only flushing is added. */
 uint32_t smr_self_test(void)
 {
     const uint32_t flush = flushed() ? SMR_FLOAT_FLUSHED : 0u;

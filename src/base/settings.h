@@ -1,5 +1,5 @@
-/* settings.h: macros that turn the tables settings_config.def and settings_prepare.def into defaults and checks. A user
- * defines SMR_GROUP(title) and SMR_SETTING(...) and includes a table, which undefines both again.
+/* settings.h: macros that turn the tables settings_config.def and settings_prepare.def into defaults and checks. A file
+ * that uses a table defines SMR_GROUP(title) and SMR_SETTING(...) and includes the table, which undefines both again.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SETTINGS_H
 #define SMR_SETTINGS_H
@@ -8,14 +8,14 @@
 
 enum { SMR_ENDS_CLOSED = 0, SMR_ENDS_OPEN, SMR_ENDS_OR_ZERO };
 
-/* The range of legal values of a setting of one word. */
+/* The range of legal values of a setting that is one float or one uint32_t. */
 typedef struct smr_range {
     uint16_t offset;         /* offset of the setting in its configuration, bytes */
-    uint8_t is_number, ends; /* 1: float, 0: uint32_t; SMR_ENDS_... */
-    float low, high;         /* smallest and largest value; exact for counts, which are below 2^24 */
+    uint8_t is_number, ends; /* is_number: 1: the setting is a float, 0: a uint32_t; ends: SMR_ENDS_... */
+    float low, high;         /* smallest and largest legal value; exact for counts, which are below 2^24 */
 } smr_range;
 
-/* Returns 1 when the settings of n ranges are legal in this configuration. */
+/* Returns 1 when the n settings that range[n] describes have legal values in the struct at config. */
 static inline int smr_ranges_legal(const void *config, const smr_range *range, size_t n)
 {
     int legal = 1;
@@ -32,7 +32,7 @@ static inline int smr_ranges_legal(const void *config, const smr_range *range, s
     return legal;
 }
 
-/* SMR_RANGE_kind is the range of a value of this kind. Kinds that are checked elsewhere have none. */
+/* SMR_RANGE_kind expands to a setting's smr_range, and to nothing for kinds that are checked elsewhere. */
 #define SMR_RANGE_COUNT(type, path, low, high, ends) {offsetof(type, path), 0, (ends), (float)(low), (float)(high)},
 #define SMR_RANGE_CHOICE SMR_RANGE_COUNT
 #define SMR_RANGE_SWITCH SMR_RANGE_COUNT
@@ -41,7 +41,7 @@ static inline int smr_ranges_legal(const void *config, const smr_range *range, s
 #define SMR_RANGE_VECTOR SMR_RANGE_INDEX
 #define SMR_RANGE_POINTER SMR_RANGE_INDEX
 
-/* SMR_DEFAULT_kind sets a value of this kind to its default. Vectors and pointers stay 0. */
+/* SMR_DEFAULT_kind sets v, a setting of that kind, to `value`; vectors and pointers are left as they are, 0. */
 #define SMR_DEFAULT_COUNT(v, value) (v) = (uint32_t)(value);
 #define SMR_DEFAULT_CHOICE SMR_DEFAULT_COUNT
 #define SMR_DEFAULT_SWITCH SMR_DEFAULT_COUNT
@@ -50,7 +50,7 @@ static inline int smr_ranges_legal(const void *config, const smr_range *range, s
 #define SMR_DEFAULT_VECTOR(v, value)
 #define SMR_DEFAULT_POINTER(v, value)
 
-/* Set the row's setting in the configuration *c to the default, or to that for images; SMR_ROW_RANGE: its smr_range. */
+/* A row of a table as code: set the setting in *c to its default or its default for images; RANGE: its smr_range. */
 #define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, image, text)                           \
     SMR_DEFAULT_##kind(c->path, value)
 #define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, image, text)                             \

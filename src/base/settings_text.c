@@ -1,12 +1,12 @@
-/* settings_text.c: the tables of settings with their texts, for programs that print them; no device links the texts.
+/* settings_text.c: the tables of settings with their texts, for programs that print them; others do not link the texts.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 
-/* The kinds of the tables that smr.h does not tell apart from others. */
+/* Kinds that only the tables have: an INDEX is described as a COUNT, and a VECTOR as a NUMBER. */
 #define SMR_SETTING_INDEX SMR_SETTING_COUNT
 #define SMR_SETTING_VECTOR SMR_SETTING_NUMBER
 
-/* Parts of a row of smr_setting, in the order of the struct. */
+/* Initialisers of parts of an smr_setting, from a row of a table, in the order of the struct. */
 #define SMR_ROW_PLACE(type, kind, number, path)                                                                        \
     SMR_SETTING_##kind, (number), (uint32_t)offsetof(type, path), (uint32_t)sizeof(((type *)NULL)->path)
 #define SMR_ROW_VALUES(low, high, ends, value, image)                                                                  \

@@ -19,7 +19,7 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
-/* Read, and write, the three floats of element i of an array [n][3]. */
+/* Read (get) and write (put) the three floats of element i of an array [n][3]. */
 static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
 static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
 
@@ -56,7 +56,7 @@ static inline float smr_whole_number(float a)
     return (float)(int32_t)(v + (v < 0.0f ? -0.5f : 0.5f));
 }
 
-/* Rounds each coordinate to a whole number. Subtracting such an origin from coordinates loses few digits or none. */
+/* Returns a with each coordinate rounded to a whole number. Subtracting a whole origin loses few digits or none. */
 static inline smr_vec smr_whole(smr_vec a)
 {
     return smr_v(smr_whole_number(a.x), smr_whole_number(a.y), smr_whole_number(a.z));
@@ -68,7 +68,7 @@ static inline int smr_within3(smr_vec a, float limit)
     return smr_within(a.x, limit) && smr_within(a.y, limit) && smr_within(a.z, limit);
 }
 
-/* Return the smaller, and the larger, value of each coordinate. */
+/* Return, for each coordinate, the smaller (low) and the larger (high) one of the values in a and b. */
 static inline smr_vec smr_low(smr_vec a, smr_vec b)
 {
     return smr_v(smr_min(a.x, b.x), smr_min(a.y, b.y), smr_min(a.z, b.z));
@@ -78,7 +78,7 @@ static inline smr_vec smr_high(smr_vec a, smr_vec b)
     return smr_v(smr_max(a.x, b.x), smr_max(a.y, b.y), smr_max(a.z, b.z));
 }
 
-/* Returns column c of the pose's matrix. */
+/* Returns column c, 0 .. 3, of the pose's 3x4 matrix. */
 static inline smr_vec smr_column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
 
 /* Returns the point a, mm, moved by the pose. */

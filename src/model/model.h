@@ -1,5 +1,5 @@
-/* model.h: the bytes of a model (docs/SPEC.md has the same as a table), and views of them.
- * Numbers are little-endian, floats their bits, offsets bytes from the model's start and multiples of SMR_ALIGN.
+/* model.h: the bytes of a model (docs/SPEC.md has them as a table), and functions that read them. Numbers are
+ * little-endian, floats stored as bits; an offset is in bytes from the model's start, a multiple of SMR_ALIGN.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_MODEL_H
 #define SMR_MODEL_H
@@ -7,65 +7,65 @@
 #include "base/bytes.h"
 #include "base/vec.h"
 
-#define SMR_MODEL_MAGIC 0x31524d53u /* "SMR1" */
+#define SMR_MODEL_MAGIC 0x31524d53u /* first word of a model: the letters "SMR1" */
 #define SMR_MODEL_VERSION 3u        /* version of the bytes that this library writes and reads */
 #define SMR_MODEL_HEAD 16u          /* number of bytes at the start that the checksum does not cover */
-#define SMR_MASS_UNITS 16.0f        /* masses are whole multiples of 1/16 */
-#define SMR_MASS_MAX 64.0f          /* largest mass */
+#define SMR_MASS_UNITS 16.0f        /* units in a mass of 1: masses are whole multiples of 1/16 */
+#define SMR_MASS_MAX 64.0f          /* largest mass of a vertex; the mean is about 1 */
 
 struct smr_model {
     uint32_t magic, version;
     uint32_t bytes, checksum; /* size of the model; CRC-32 of bytes 16 .. bytes - 1 */
     uint32_t n_vertices, n_triangles, n_structures, n_radii;
     uint32_t index_bytes;       /* 2 or 4: the width of indexes in cluster lists */
-    uint32_t order;             /* SMR_ORDER_... */
+    uint32_t order;             /* SMR_ORDER_...: how the order L of the clusters was chosen */
     uint32_t centre[3];         /* float, mm: origin of rest positions */
-    uint32_t edge_mm;           /* float, mm: mean edge length */
+    uint32_t edge_mm;           /* float, mm: mean length of mesh edges */
     uint32_t at_structures;     /* smr_stored_structure [n_structures] */
-    uint32_t at_position;       /* uint32 [n_vertices]: caller's vertex (all structures in a row) -> stored vertex */
-    uint32_t at_original;       /* uint32 [n_vertices]: stored vertex -> caller's vertex */
+    uint32_t at_position;       /* uint32 [n_vertices]: stored vertex of each caller's vertex, structures in a row */
+    uint32_t at_original;       /* uint32 [n_vertices]: caller's vertex of each stored vertex */
     uint32_t at_owner;          /* uint16 [n_vertices]: structure of each stored vertex */
     uint32_t at_rest;           /* float [n_vertices][3]: rest positions, mm from centre */
-    uint32_t at_mass;           /* float [n_vertices]: masses */
+    uint32_t at_mass;           /* float [n_vertices]: mass of each stored vertex */
     uint32_t at_triangles;      /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
     uint32_t at_triangle_index; /* uint32 [n_triangles]: the caller's index of each triangle within its structure */
     uint32_t profile_samples;   /* samples of each profile; 0: no profiles */
     uint32_t profile_inward;    /* samples of a profile on the inner side of the vertex */
     uint32_t profile_step;      /* float, mm: distance between samples */
-    uint32_t at_profiles;       /* uint8 [n_vertices][profile_samples], see image/intensity_profile.h */
-    uint32_t at_ranges;         /* float [n_vertices][2]: low and range of each profile; range 0: never a goal */
-    uint32_t n_dihedrals, at_dihedrals; /* smr_stored_dihedral [n_dihedrals] */
-    uint32_t at_radii;                  /* smr_stored_radius [n_radii] */
-    uint32_t at_along; /* uint32 [n_vertices]: stored vertex -> position on the curve, ascending in a level */
-    uint32_t n_levels, level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all levels before it; then zeros */
-    uint32_t n_sections, at_sections; /* smr_stored_section [n_sections <= SMR_SECTIONS_MAX]; at 0 without any */
+    uint32_t at_profiles;       /* uint8 [n_vertices][profile_samples]: profiles, see image/intensity_profile.h */
+    uint32_t at_ranges;         /* float [n_vertices][2]: lowest value and range of a profile; range 0: no goals */
+    uint32_t n_dihedrals, at_dihedrals; /* smr_stored_dihedral [n_dihedrals]: edges of two triangles */
+    uint32_t at_radii;                  /* smr_stored_radius [n_radii]: where the cluster lists of a radius lie */
+    uint32_t at_along; /* uint32 [n_vertices]: position of each stored vertex on the curve, ascending in a level */
+    uint32_t n_levels, level_end[SMR_LEVELS_MAX]; /* stored vertices up to each level's end; zeros behind the last */
+    uint32_t n_sections, at_sections; /* smr_stored_section [n_sections <= SMR_SECTIONS_MAX]; offset 0: no sections */
     uint32_t zero[6];
 };
 
-/* A further section. A library that does not know the kind skips an optional section and refuses a required one. */
+/* Entry of an added section. A library that does not know the kind skips an optional and refuses a required one. */
 typedef struct smr_stored_section {
     uint32_t kind;      /* SMR_SECTION_..., not 0, each kind once; no kind is defined yet */
     uint32_t flags;     /* SMR_SECTION_REQUIRED or 0 */
-    uint32_t at, bytes; /* offset, behind the section before; size */
+    uint32_t at, bytes; /* offset, behind the previous section; size in bytes */
 } smr_stored_section;
 
-#define SMR_SECTIONS_MAX 64u    /* most further sections of a model */
+#define SMR_SECTIONS_MAX 64u    /* largest number of additional sections of a model */
 #define SMR_SECTION_REQUIRED 1u /* flag of a section: a library that does not know the kind refuses the model */
 
-/* A structure. Vertices and triangles are numbered as the caller does, all structures in a row. */
+/* A structure and its ranges of vertices and triangles, in the caller's numbers counted through all structures. */
 typedef struct smr_stored_structure {
     char name[SMR_NAME_BYTES];
     uint32_t first_vertex, n_vertices, first_triangle, n_triangles;
 } smr_stored_structure;
 
-/* An edge of two triangles. bend: low 24 bits: second triangle; high 8: code of the cosine below which it is folded. */
+/* An edge of two triangles. first: one triangle; bend: the other (low 24 bits), code of the fold limit (high 8). */
 typedef struct smr_stored_dihedral {
     uint32_t first, bend;
 } smr_stored_dihedral;
 
 #define SMR_DIHEDRAL_MASK 0xffffffu /* the bits of smr_stored_dihedral.bend that hold the second triangle */
-#define SMR_DIHEDRAL_OPEN (-0.4f)   /* limits above this belong to edges of at most a right angle at rest */
-#define SMR_DIHEDRAL_UNIT 200.0f    /* cosine = code / 200 - 1 */
+#define SMR_DIHEDRAL_OPEN (-0.4f)   /* cosine: edges with limits above this were bent by at most 90 degrees at rest */
+#define SMR_DIHEDRAL_UNIT 200.0f    /* codes per unit of cosine: cosine = code / 200 - 1 */
 
 /* Returns the cosine between the normals of the two triangles below which the edge counts as folded. */
 static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
@@ -78,29 +78,29 @@ typedef struct smr_stored_radius {
     uint32_t largest;    /* vertices of the largest cluster; boundary vertices outside the radius count half */
     uint32_t smallest;   /* vertices of the smallest cluster */
     uint32_t mean;       /* float: mean number of vertices of a cluster */
-    uint32_t n_indexes;  /* number of indexes in all lists */
-    uint32_t at_blocks;  /* smr_stored_block [n_blocks + 1] */
+    uint32_t n_indexes;  /* number of indexes in all zeta+ and zeta- */
+    uint32_t at_blocks;  /* smr_stored_block [n_blocks + 1]: each block's start; the end of the last block */
     uint32_t at_entries; /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
     uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta|, size of each stored vertex' cluster */
     uint32_t at_indexes; /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
     uint32_t active_min; /* fewest active vertices, in stored order, with which each cluster is large enough */
-    uint32_t n_boundary, at_boundary; /* smr_stored_boundary [n_boundary] */
+    uint32_t n_boundary, at_boundary; /* smr_stored_boundary [n_boundary]: pairs about a radius apart */
 } smr_stored_radius;
 
-/* Vertices a radius apart. Weight in each other's cluster: the lists' 1 or 0 plus share / SMR_BOUNDARY_UNITS - 1/2. */
+/* Two vertices about a radius apart. Weight in each other's cluster: the lists' 1 or 0, plus share / 256 - 1/2. */
 typedef struct smr_stored_boundary {
     uint32_t first, second; /* stored vertices */
-    uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
+    uint32_t share;         /* correction of the weight, plus 1/2, in units of 1/256: 0 .. SMR_BOUNDARY_UNITS */
 } smr_stored_boundary;
 
-#define SMR_BOUNDARY_UNITS 256 /* smr_stored_boundary.share of weight 1 */
+#define SMR_BOUNDARY_UNITS 256 /* units of smr_stored_boundary.share in a weight of 1 */
 
-/* A block of the order L, one range of the curve: its first entry in at_entries, and its first index in at_indexes. */
+/* A block of the order L, one range of the curve. first: its first entry in at_entries; first_index: in at_indexes. */
 typedef struct smr_stored_block {
     uint32_t first, first_index;
 } smr_stored_block;
 
-/* An entry of L: stored vertex; its parent's number in the block, its own for a root; lengths of zeta+ and zeta-. */
+/* An entry of L. parent: the parent's entry in the block, a root's own; n_plus, n_minus: lengths of zeta+ and zeta-. */
 typedef struct smr_entry16 {
     uint16_t vertex, parent, n_plus, n_minus;
 } smr_entry16;
@@ -109,7 +109,7 @@ typedef struct smr_entry32 {
     uint32_t vertex, parent, n_plus, n_minus;
 } smr_entry32;
 
-/* The lists of one radius; numbers are those of smr_stored_radius in host byte order, arrays are as stored. */
+/* The cluster lists of one radius: numbers of smr_stored_radius in host byte order, pointers to the stored arrays. */
 typedef struct smr_lists {
     const smr_stored_block *block;
     const void *entry, *count, *index;
@@ -123,29 +123,29 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
     return (const unsigned char *)m + smr_le32(stored_offset);
 }
 
-/* 1: m is aligned and begins as a model does. Reads 16 bytes of what is no model; smr_model_open() checks all bytes. */
+/* Returns 1 when m is aligned and its magic, version and counts are legal; smr_model_open() checks the rest. */
 int smr_model_known(const smr_model *m);
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
 
-/* Returns number i of a stored list of numbers that are `width` bytes wide, 2 or 4. */
+/* Returns element i of a stored list of numbers that are `width` bytes wide, 2 or 4. */
 static inline uint32_t smr_index_at(const void *list, uint32_t width, size_t i)
 {
     return width == 2u ? smr_le16(((const uint16_t *)list)[i]) : smr_le32(((const uint32_t *)list)[i]);
 }
 
-/* Returns |zeta| of a stored vertex. */
+/* Returns |zeta|, the number of vertices in the cluster of stored vertex v. */
 static inline uint32_t smr_list_count(const smr_lists *l, uint32_t v)
 {
     return smr_index_at(l->count, l->index_bytes, v);
 }
 
-/* Returns number i of the list of uint32 at a stored offset. */
+/* Returns element i of the list of uint32 whose stored offset is `at`. */
 static inline uint32_t smr_word_at(const smr_model *m, uint32_t at, uint32_t i)
 {
     return smr_index_at(smr_at(m, at), 4, i);
 }
 
-/* Return structure, curve position and caller's vertex of stored vertex v, and the stored vertex of the caller's i. */
+/* Stored vertex v: structure, curve position (along), caller's vertex (original). position: stored of caller's i. */
 static inline uint32_t smr_model_owner(const smr_model *m, uint32_t v)
 {
     return smr_index_at(smr_at(m, m->at_owner), 2, v);
@@ -164,7 +164,7 @@ static inline const smr_stored_radius *smr_model_radius(const smr_model *m, uint
     return (const smr_stored_radius *)smr_at(m, m->at_radii) + radius;
 }
 
-/* Returns 1 when clusters of the radius contain vertices of one structure only. */
+/* Returns 1 when each cluster of radius number i contains vertices of one structure only. */
 static inline int smr_model_separate(const smr_model *m, uint32_t i) { return smr_model_radius(m, i)->separate != 0u; }
 
 /* Returns the origin of rest positions, mm. */

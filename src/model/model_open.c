@@ -4,8 +4,8 @@
 #include "image/intensity_profile.h"
 #include "model/model.h"
 
-#define SMR_RANGE_MAX 2.0e30f /* largest low or range of a profile: twice the largest absolute voxel value */
-#define SMR_WINDOW 4096u      /* number of vertices whose uniqueness is checked at a time, a bit each on the stack */
+#define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
+#define SMR_WINDOW 4096u      /* vertices checked at a time for having one entry each, a bit each on the stack */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
@@ -39,7 +39,7 @@ static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
     return legal;
 }
 
-/* Returns 1 when n indexes that are `width` bytes wide are below `limit`. */
+/* Returns 1 when all n indexes of the list, each `width` bytes wide, are below `limit`. */
 static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
 {
     int legal = 1;
@@ -189,7 +189,7 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* Checks that a radius' sections lie in the model, in order, behind *end, the radius before. Moves *end behind them. */
+/* Checks that a radius' sections lie in the model, in order, from offset *end on. Sets *end to the last one's end. */
 static int check_sections_of(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -242,7 +242,7 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* Checks that further sections follow each other. No kind is known yet, so required sections (flags) are refused. */
+/* Checks that additional sections follow each other. No kind is known yet, so required sections (flags) are refused. */
 static int check_sections(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_sections);

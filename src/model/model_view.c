@@ -81,7 +81,7 @@ smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz
         for (uint32_t c = 0; c < 3u; c++)
             xyz[3u * (size_t)i + c] = smr_le_float(rest[3u * (size_t)v + c]) + smr_le_float(model->centre[c]);
     }
-    if (triangles != NULL) /* first 0: indexes are in range, but a forged model may name one twice and another never */
+    if (triangles != NULL) /* zeros first, because a forged model may give one triangle twice and another never */
         memset(triangles, 0, 3u * (size_t)smr_le32(r->n_triangles) * sizeof *triangles);
     for (uint32_t i = 0; triangles != NULL && i < smr_le32(r->n_triangles); i++) {
         uint32_t *to = triangles + 3u * (size_t)smr_le32(triangle_index[first_triangle + i]);

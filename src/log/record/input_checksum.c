@@ -24,7 +24,7 @@ static uint64_t add_values(uint64_t sum, const float *value, size_t n)
     return sum;
 }
 
-/* Returns the checksum of a whole input: 0 stands for no input. */
+/* Returns sum, but 1 when sum is 0, because a checksum of 0 stands for no input. */
 static uint64_t closed(uint64_t sum) { return sum == 0u ? 1u : sum; }
 
 uint64_t smr_points_checksum(const float *xyz, uint32_t n) { return closed(add_points(n, xyz, n)); }

@@ -6,11 +6,11 @@
 #include "geometry/surface/surface.h"
 #include "registration/shape/schedule_state.h"
 
-#define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
+#define SMR_LOG_MAGIC 0x4c524d53u /* first word of a log: the letters "SMRL" */
 #define SMR_LOG_VERSION 3u        /* version of the logs that this library writes */
-#define SMR_LOG_FIXED 28u         /* bytes of a header before the configuration */
-#define SMR_LOG_FRAME 8u          /* bytes of a record around its content: its head and its checksum */
-#define SMR_LOG_WORDS 12u         /* words of the largest content */
+#define SMR_LOG_FIXED 28u         /* bytes of a log's header before the configuration */
+#define SMR_LOG_FRAME 8u          /* bytes of a record besides its content: head and checksum, a word each */
+#define SMR_LOG_WORDS 12u         /* 32-bit words of the largest content of a record */
 
 /* Words of the configuration: for each setting a head and its value. budget_exact is written only where it is 1, so
  * that all other logs and saves are as they were before that setting. */
@@ -46,16 +46,16 @@ static inline uint32_t smr_log_get32(const unsigned char *from)
 
 typedef struct smr_log smr_log;
 
-/* Records a call that has succeeded. A program that sets no log links no such function. */
+/* Type of smr_log_write(), which records a succeeded call; a program that sets no log does not link that function. */
 typedef void smr_log_writer(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
 
-/* State of the recording. */
+/* State of a registration's recording into a log. */
 struct smr_log {
     unsigned char *memory; /* [bytes] the caller's memory; NULL: no recording */
-    smr_log_writer *write; /* smr_log_write; NULL: no recording */
+    smr_log_writer *write; /* the function smr_log_write; NULL: no recording */
     size_t bytes, used;    /* size of the memory; bytes written so far */
-    uint32_t crc, n_ticks; /* CRC-32 up to the last record; ticks recorded */
-    uint32_t full;         /* 1: a record did not fit, and no record follows */
+    uint32_t crc, n_ticks; /* CRC-32 of the log up to its last record; number of ticks recorded */
+    uint32_t full;         /* 1: a record did not fit, and nothing more is recorded */
     uint32_t fresh;        /* 1: the registration has not changed since smr_init() */
 };
 
@@ -69,9 +69,9 @@ uint64_t smr_cloud_checksum(const smr_points *points);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
 uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
-uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its capacity */
+uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud's points and capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
-/* Returns the checksum of a recorded input, kind and what as for smr_log_note(); 0: the input was taken away. */
+/* Returns the checksum of the input `what` of this kind, both as in smr_log_note(); 0 when the input is taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);

@@ -8,7 +8,7 @@
 #include "log/record/log_format.h"
 
 #define SMR_LOG_WORDS_V1 45u /* words of the configuration in a log of version 1 */
-#define SMR_LOG_COVERAGE 3u  /* the first version with partial targets */
+#define SMR_LOG_COVERAGE 3u  /* first version of logs with partial targets; in older logs targets are whole */
 
 typedef struct log_row {
     uint32_t number, offset, n; /* the setting's number, offset in smr_config, and number of words; 0: not in logs */
@@ -23,7 +23,7 @@ static const log_row rows[] = {
 };
 
 #define SMR_LOG_ROWS (sizeof rows / sizeof rows[0])
-#define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u) /* words of a set of settings, a bit each */
+#define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u) /* words of a set of settings, a bit for each */
 
 /* Numbers of the settings in the order in which logs hold the settings, which is that of library 0.2. */
 static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21,
@@ -33,7 +33,7 @@ static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
-/* Returns the index of the row with this number; SMR_LOG_ROWS: there is none. */
+/* Returns the index of the row with this number; SMR_LOG_ROWS when no row has the number. */
 static size_t row_of(uint32_t number)
 {
     size_t i = 0;

@@ -18,7 +18,7 @@ uint32_t smr_log_words(uint32_t kind)
     return kind < sizeof words ? words[kind] : 0u;
 }
 
-/* Appends a record, for which there must be room. */
+/* Appends a record to the log, in whose memory there must be room for the record. */
 static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const uint32_t n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
@@ -31,7 +31,7 @@ static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
     log->used += bytes;
 }
 
-/* Appends a record, or SMR_LOG_FULL in place of the first record that does not fit; nothing follows that. */
+/* Appends a record, or SMR_LOG_FULL in place of the first record that does not fit. Nothing follows SMR_LOG_FULL. */
 static void put(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     if (log->full)
@@ -118,7 +118,7 @@ void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t 
     log->memory = memory;
     log->write = smr_log_write;
     log->bytes = bytes;
-    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++) /* the header */
+    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++) /* the words before the configuration */
         smr_log_put32(log->memory + 4u * i, fixed[i]);
     smr_log_put_config(log->memory + SMR_LOG_FIXED, &shared->config);
     log->crc = smr_crc32(0, log->memory, header - 4u);

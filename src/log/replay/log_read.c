@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "log/record/log_format.h"
 
-/* Returns the offset of the first record; 0 when the header's lengths disagree with each other or with the bytes. */
+/* Returns the offset of the first record; 0 when the header's lengths disagree with each other or with `bytes`. */
 static size_t header_bytes(const unsigned char *at, size_t bytes)
 {
     if (bytes < SMR_LOG_FIXED + 4u || smr_log_get32(at) != SMR_LOG_MAGIC)
@@ -80,7 +80,7 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
     case SMR_LOG_ACTIVE: r->n_taken = word[0]; return SMR_OK;
     case SMR_LOG_VOLUME_RATIO:
         r->structure = word[0];
-        r->ratio = smr_float_of(word[1]); /* ratios and poses are checked when they are set */
+        r->ratio = smr_float_of(word[1]); /* smr_set_volume_ratio() checks the ratio */
         return SMR_OK;
     case SMR_LOG_POSE: memcpy(&r->pose, word, sizeof r->pose); return SMR_OK;
     }

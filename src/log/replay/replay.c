@@ -18,7 +18,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     SMR_TRY(smr_log_open(log, bytes, &reader, &info));
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
-    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* may differ: it does not affect results */
+    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* the log's number does not matter */
     if (smr_config_left_out(&info.config))
         return SMR_E_WITHOUT;
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
@@ -47,7 +47,7 @@ static int of_forces(uint32_t kind)
            kind == SMR_LOG_FORCE || kind == SMR_LOG_FIXED_SURFACE || kind == SMR_LOG_VOLUME_RATIO;
 }
 
-/* Returns 1 when the input that the caller gave is the recorded one. */
+/* Returns 1 when the checksum of the caller's input is the recorded one; a force only has to be a function. */
 static int is_recorded(const smr *s, const smr_log_record *record, const void *given)
 {
     const smr_motion *motion = given;
@@ -67,7 +67,7 @@ static int is_recorded(const smr *s, const smr_log_record *record, const void *g
     return legal && smr_log_checksum(record->kind, given, n) == record->checksum;
 }
 
-/* Sets an input again, with the caller's data where the record has only a checksum. */
+/* Sets a recorded input in the registration, with the caller's data where the record has only a checksum. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
     const void *given = NULL;
@@ -100,14 +100,14 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     }
 }
 
-/* Sets an input again. Setters return E_CONFIG where this build leaves out what they need. */
+/* Calls set_input(). Returns E_WITHOUT for E_CONFIG, which means that this build leaves out what the input needs. */
 static smr_status set_again(smr_replay *r, const smr_log_record *record)
 {
     const smr_status status = set_input(r, record);
     return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
 }
 
-/* Sets inputs of forces that came after the iteration's forces were complete: records from r->later to the reader. */
+/* Sets the inputs for forces that were recorded after the iteration's forces: records from r->later to the reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;
@@ -192,7 +192,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             report->ended = 1;
             report->tick = replay->n_ticks;
             report->full = kind == SMR_LOG_FULL;
-            replay->reader = before; /* the next call ends here again */
+            replay->reader = before; /* the next call finds the log's end again */
             return SMR_OK;
         }
         if (kind == SMR_LOG_TICK) {
