@@ -21,7 +21,7 @@ void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles)
     }
 }
 
-/* Makes all eight child boxes empty. */
+/* Sets the boxes of all eight children of the node to the empty box. */
 static void clear_node(smr_node *node)
 {
     for (uint32_t axis = 0; axis < 3u; axis++)

@@ -9,7 +9,7 @@
 
 #define SMR_TREE_WIDTH 8u  /* children of a node, and triangles of a leaf */
 #define SMR_TREE_LEVELS 9u /* most levels of a tree, since 8^8 > SMR_TRIANGLES_MAX */
-#define SMR_FAR 1.0e15f    /* mm: coordinate of empty boxes; its square still fits a float */
+#define SMR_FAR 1.0e15f    /* mm: coordinate that marks an empty box; the square still fits a float */
 
 /* A node: the boxes of its eight children, mm. Empty children have all coordinates SMR_FAR. */
 typedef struct smr_node {
@@ -20,8 +20,8 @@ typedef struct smr_node {
 typedef struct smr_box_tree {
     const float *xyz;         /* [number of vertices][3] positions, mm */
     const uint32_t *triangle; /* [n_triangles][3] vertex indexes, in tree order */
-    float *normal;            /* [n_triangles][3] unit normals; zero for zero-area triangles */
-    smr_node *node;           /* [smr_tree_nodes(n_triangles)] leaves first; NULL: normals only */
+    float *normal;            /* [n_triangles][3] unit normals of the triangles; 0 for zero-area triangles */
+    smr_node *node;           /* [smr_tree_nodes(n_triangles)] nodes, leaves first; NULL: refits compute normals only */
     const uint32_t *rank;     /* [n_triangles] of equally close triangles the smallest rank wins; NULL: tree order */
     uint32_t n_triangles;
     uint32_t n_levels;               /* levels of the tree; 0 without triangles */
@@ -48,12 +48,12 @@ static inline void smr_tree_refit_upper(const smr_box_tree *f)
 /* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
 
-/* Writes the squared distance d2[k] from p to each child box, mm^2. Returns the children up to `bound`, a bit each. */
+/* Writes the squared distance d2[k], mm^2, from p to each child box. Returns the children with d2 <= bound as bits. */
 static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
 {
     uint32_t near = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        /* of the two distances along an axis at most one is positive */
+        /* p is beyond at most one side of a box along an axis, so at most one of the two terms is positive */
         const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
         const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
         const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
@@ -66,12 +66,12 @@ static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float 
 
 /* A node to be opened by a search. */
 typedef struct smr_visit {
-    float d2;              /* squared distance to the node's box, mm^2, where the search needs it */
+    float d2;              /* squared distance to the node's box, mm^2; 0 in searches without distances */
     uint32_t level, index; /* the node's level, and index in that level */
 } smr_visit;
 
-/* Pushes the children `near` of a node (a bit each, squared distances d2), the nearest last, without empty children.
- * first: the node's first child. Returns the new height of the stack. */
+/* Pushes the children in the set `near` (a bit each) of a node onto the stack, the nearest last, but no empty children.
+ * d2: squared distances of the children, mm^2; first: the node's first child. Returns the new height of the stack. */
 static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDTH], smr_visit first, smr_visit *stack,
                                      uint32_t height)
 {
@@ -88,26 +88,26 @@ static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDT
     return height;
 }
 
-/* A search for the closest triangle. */
+/* The input of a search for the closest triangle. */
 typedef struct smr_query {
-    smr_vec point;        /* position, mm */
-    smr_vec normal;       /* unit normal, or 0 */
-    float min_cos;        /* smallest cosine between `normal` and a triangle's normal; -2 accepts all */
+    smr_vec point;        /* position from which triangles are searched, mm */
+    smr_vec normal;       /* unit normal at the position; 0: no normal */
+    float min_cos;        /* smallest accepted cosine between `normal` and a triangle's normal; -2: accept all */
     uint32_t node_budget; /* most nodes that the search opens */
     uint32_t warm;        /* triangle that the search tries first, or SMR_NONE */
 } smr_query;
 
-/* The closest triangle. */
+/* The result of a search for the closest triangle. */
 typedef struct smr_hit {
     float d2;          /* in: squared search distance, mm^2; out: squared distance to the triangle */
-    uint32_t triangle; /* triangle in tree order; SMR_NONE when none was found */
-    float weight[3];   /* barycentric weights of the closest point */
+    uint32_t triangle; /* number of the closest triangle in tree order; SMR_NONE when none was found */
+    float weight[3];   /* barycentric weights of the closest point on the triangle */
 } smr_hit;
 
 /* Triangles that a search leaves out: those of group 0, and those of a group whose `use` is 0. */
 typedef struct smr_tree_mask {
-    const unsigned char *group; /* [n_triangles] */
-    const unsigned char *use;   /* [largest group + 1]; NULL: all groups but 0 are searched */
+    const unsigned char *group; /* [n_triangles] group of each triangle */
+    const unsigned char *use;   /* [largest group + 1] not 0: the group is searched; NULL: all groups but 0 are */
 } smr_tree_mask;
 
 /* Returns 1 for a triangle that the mask leaves out. */
@@ -117,22 +117,22 @@ static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle
     return group == 0u || (mask->use != NULL && mask->use[group] == 0u);
 }
 
-/* Find the closest acceptable triangle within hit->d2, or leave *hit as it is. mask NULL: no triangle is left out. */
+/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched. */
 void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
 void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit);
 
-#define SMR_NEAR_MOST 24u /* most near triangles of a list: more than usually meet at a vertex */
+#define SMR_NEAR_MOST 24u /* largest number of triangles in a smr_near_list: more than usually meet at a vertex */
 
 /* A triangle nearly as close as the closest triangle. */
 typedef struct smr_near {
-    float share; /* 0 .. 1; all shares of a list add up to 1 */
-    float d2;    /* squared distance, mm^2 */
+    float share; /* weight of the triangle, 0 .. 1; all shares of a list add up to 1 */
+    float d2;    /* squared distance from the searched position to the triangle, mm^2 */
     uint32_t triangle;
     float weight[3]; /* barycentric weights of the triangle's closest point */
 } smr_near;
 
 typedef struct smr_near_list {
-    uint32_t n; /* triangles in the list; 0 when none was found */
+    uint32_t n; /* number of triangles in the list; 0 when none was found */
     float cut2; /* squared distance, mm^2, of the nearest triangle that the list's size or the node budget left out */
     smr_near item[SMR_NEAR_MOST];
 } smr_near_list;
@@ -150,17 +150,17 @@ typedef struct smr_order {
     const float *centre;                 /* [n][3] centres of triangles, times 3, mm */
     uint32_t *order, *key, *tmp, *count; /* [n] result; scratch: [n], [2 n], [SMR_SORT_BYTES] for n > SMR_SORT_SMALL */
     uint32_t n;
-    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* first and end of each waiting range; entries in use */
+    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* first and end of each range still to sort; entries in use */
     uint32_t first, size; /* first entry and size of the range being sorted; size 0: none */
-    uint32_t stage, at;   /* stage of the range; entries done in this stage */
+    uint32_t stage, at;   /* SMR_ORDER_... stage of the range being sorted; entries done in that stage */
     float lo[3], hi[3];   /* box around the centres of the range */
 } smr_order;
 
-/* Writes centre and order of the triangles first .. last-1, in the caller's order. */
+/* For each triangle k of first .. last-1 writes centre[k], the sum of its corners, mm, and order[k] = k. */
 void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint32_t first, uint32_t last);
 void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
                      uint32_t *count);
-/* Continues for about `most` visits of triangles. Returns 1 when the order is complete. */
+/* Continues the sort for about `most` visits of triangles. Returns 1 when the order is complete. */
 int smr_order_step(smr_order *o, uint32_t most);
 
 #endif

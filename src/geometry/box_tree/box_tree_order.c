@@ -9,7 +9,7 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/box_tree/triangle.h"
 
-/* Returns the sort key of a float: keys compare as unsigned integers as the floats do, and -0 equals 0. */
+/* Returns the sort key of v: unsigned keys are in the order of their floats, and the keys of -0 and 0 are equal. */
 static uint32_t sortable(float v)
 {
     const uint32_t bits = smr_float_bits(v + 0.0f); /* + 0 turns -0 into 0 */
@@ -20,11 +20,11 @@ void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *or
                      uint32_t *count)
 {
     *o = (smr_order){.centre = centre, .order = order, .key = key, .tmp = tmp, .count = count, .n = n};
-    o->stack[1] = n; /* the first range is 0 .. n - 1 */
+    o->stack[1] = n; /* the first range to sort is 0 .. n - 1, all triangles */
     o->top = 2;
 }
 
-/* Takes the next range larger than a leaf from the stack, and pushes the range's halves. Returns 0 at the end. */
+/* Pops the next range to sort, larger than a leaf, and pushes that range's halves. Returns 0 when no range is left. */
 static int next_range(smr_order *o)
 {
     while (o->top > 0u) {
@@ -60,7 +60,7 @@ static void grow_box(smr_order *o, uint32_t from, uint32_t to)
     }
 }
 
-/* Writes the sort keys from .. to-1: coordinates along the longest side of the range's box. */
+/* Writes sort keys from .. to-1 of the range: the centres' coordinates along the longest side of the range's box. */
 static void make_keys(smr_order *o, uint32_t from, uint32_t to)
 {
     uint32_t axis = o->hi[1] - o->lo[1] > o->hi[0] - o->lo[0] ? 1u : 0u;
@@ -72,10 +72,10 @@ static void make_keys(smr_order *o, uint32_t from, uint32_t to)
 
 #define SMR_ORDER_COST 3u /* cost of sorting a small range at once, in visits of each of its triangles */
 
-/* Stages of a range: its box, its keys, then counting and moving for each byte of the keys. */
+/* Stages of sorting a range: find the box, make the keys, then count and move for each byte of the keys. */
 enum { SMR_ORDER_BOX = 0, SMR_ORDER_KEYS, SMR_ORDER_SORT, SMR_ORDER_SORTED = SMR_ORDER_SORT + 2 * SMR_SORT_PASSES };
 
-/* Advances to the next stage of the range. A small range is sorted at once. */
+/* Advances to the next stage of the range. A small range is sorted completely once its keys are made. */
 static void advance(smr_order *o)
 {
     o->at = 0;

@@ -11,7 +11,7 @@ smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float
     return smr_corners_mean(smr_corners_of(f->xyz, f->triangle + 3u * (size_t)triangle), weight);
 }
 
-/* Returns 1 when triangle i wins a tie against the triangle found so far. */
+/* Returns 1 when triangle i wins against an equally close triangle found before, by rank or by smaller number. */
 static int comes_first(const smr_box_tree *f, uint32_t i, uint32_t found)
 {
     return found == SMR_NONE || f->rank == NULL ? i < found : f->rank[i] < f->rank[found];
@@ -56,17 +56,17 @@ static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const
     }
 }
 
-#define SMR_TIES 64u /* most nodes opened whose boxes are exactly as far as the best triangle */
+#define SMR_TIES 64u /* most nodes opened whose boxes are exactly as far away as the closest triangle so far */
 
 /* Finds the closest triangle for *hit. Boxes and triangles within `widen` (1 or more) times the squared distance of
- * *hit are tested, too, and enter the list. list: NULL for the closest triangle alone. */
+ * *hit are also tested and enter the list. list NULL: only the closest triangle is wanted. */
 static void search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                    smr_near_list *list)
 {
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
-        return; /* a position of a forged model: NaN, or as far as empty boxes */
+        return; /* the position, of a forged model, is NaN or as far as empty boxes */
     if (q->warm < f->n_triangles)
         try_triangle(f, mask, q, q->warm, hit, widen, NULL);
     stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};

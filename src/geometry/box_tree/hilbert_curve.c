@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 
-#define SMR_CURVE_BITS 10u /* per axis */
+#define SMR_CURVE_BITS 10u /* bits of a position on the curve that each axis gives */
 
 smr_box smr_box_of(const float *xyz, uint32_t n)
 {
@@ -50,7 +50,7 @@ uint32_t smr_curve_key(smr_box box, smr_vec p)
     return key;
 }
 
-/* Sorts item[n] by key[n], stable; for small n. */
+/* Sorts key[n] ascending and item[n] along with it by insertion, stable; fast for small n only. */
 static void insertion_sort(uint32_t *key, uint32_t *item, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
@@ -73,7 +73,7 @@ void smr_sort_count(const smr_sort *s, uint32_t pass, uint32_t from, uint32_t to
         memset(count, 0, SMR_SORT_BYTES * sizeof *count);
     for (uint32_t i = from; i < to; i++)
         count[(key[i] >> 8u * pass) & 255u]++;
-    for (uint32_t d = 0; to == s->n && d < SMR_SORT_BYTES; d++) { /* each count becomes the byte's first place */
+    for (uint32_t d = 0; to == s->n && d < SMR_SORT_BYTES; d++) { /* count[d] becomes the first place of byte d */
         const uint32_t c = count[d];
         count[d] = sum;
         sum += c;

@@ -28,8 +28,8 @@ smr_box smr_box_of(const float *xyz, uint32_t n); /* bounding box of n >= 1 poin
 /* Returns the position of p on a Hilbert curve of 10 bits per axis through the cube around box: 0 .. 2^30 - 1. */
 uint32_t smr_curve_key(smr_box box, smr_vec p);
 
-#define SMR_SORT_SMALL 88u  /* items: up to this number insertion is faster than radix passes */
-#define SMR_SORT_BYTES 256u /* values of a byte */
+#define SMR_SORT_SMALL 88u  /* largest number of items for which insertion is faster than radix passes */
+#define SMR_SORT_BYTES 256u /* number of values of a byte */
 #define SMR_SORT_PASSES 4u  /* passes of a radix sort, one a byte of the key, the lowest byte first */
 
 /* Sorts key[n] ascending and item[n] along with it, stable, in place. tmp: [2 n] scratch. */
@@ -37,8 +37,8 @@ void smr_curve_sort(uint32_t *key, uint32_t *item, uint32_t *tmp, uint32_t n);
 
 /* A radix sort in steps: each pass counts all items, then moves all items, from the index `from` up to `to`. */
 typedef struct smr_sort {
-    uint32_t *key, *item, *tmp; /* [n]; [n]; [2 n] scratch */
-    uint32_t *count;            /* [SMR_SORT_BYTES] scratch */
+    uint32_t *key, *item, *tmp; /* key [n]: what is compared; item [n]: sorted by key; tmp [2 n]: scratch */
+    uint32_t *count;            /* [SMR_SORT_BYTES] scratch: number, then place, of the items with each byte */
     uint32_t n;
 } smr_sort;
 

@@ -3,10 +3,10 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_DIVISOR_LEAST 1.0e-20f /* mm^2: compilers also divide unused lanes of vectors, where 0 would trap */
-#define SMR_SLIVER 1.0e-5f /* largest squared area of a sliver, relative to the products whose difference it is */
+#define SMR_DIVISOR_LEAST 1.0e-20f /* least divisor: compilers also divide unused lanes of vectors, where 0 traps */
+#define SMR_SLIVER 1.0e-5f         /* largest squared area of a sliver, as a share of the products subtracted for it */
 
-/* Writes the weights; returns the squared length of to_p, the vector from the closest point to p. */
+/* Sets weight[] to a, b, c. Returns the squared length, mm^2, of to_p, the vector from the closest point to p. */
 static float set(float weight[3], float a, float b, float c, smr_vec to_p)
 {
     weight[0] = a;
@@ -76,7 +76,7 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
     const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
     if (sum > SMR_SLIVER * sides * (sides + smr_dot(ap, ap)))
         return inside;
-    /* in a sliver rounding dominates the weights: their point lies on the triangle but may not be the closest one */
+    /* in a sliver rounding dominates the weights: their point, on the triangle, may not be the closest: tries edges */
     float on_edge[3];
     const float edge = closest_edge(ap, ab, ac, on_edge);
     if (edge < inside)

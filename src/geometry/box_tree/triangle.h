@@ -5,27 +5,27 @@
 
 #include "base/vec.h"
 
-/* Returns the squared distance from p to a triangle, whose area may be 0, mm^2. weight: those of the closest point. */
+/* Returns the squared distance, mm^2, from p to triangle a b c (area 0: legal). Writes the nearest point's weight[]. */
 float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3]);
 
-/* Returns the vector along the triangle's normal whose length is twice the area, mm^2. */
+/* Returns the vector along the normal of triangle a b c whose length is twice the area, mm^2. */
 static inline smr_vec smr_triangle_cross(smr_vec a, smr_vec b, smr_vec c)
 {
     return smr_cross(smr_sub(b, a), smr_sub(c, a));
 }
 
-/* Values at the three corners of a triangle. */
+/* Vectors (positions, normals) at the three corners of a triangle. */
 typedef struct smr_corner_values {
     smr_vec a, b, c;
 } smr_corner_values;
 
-/* Returns the values, of value [number of vertices][3], at the triangle's vertices t[3]. */
+/* Returns the rows of value [number of vertices][3] that belong to the vertices t[3] of a triangle. */
 static inline smr_corner_values smr_corners_of(const float *value, const uint32_t *t)
 {
     return (smr_corner_values){smr_get3(value, t[0]), smr_get3(value, t[1]), smr_get3(value, t[2])};
 }
 
-/* Returns the value at the point with these barycentric weights. */
+/* Returns the corner values interpolated at the point with these barycentric weights. */
 static inline smr_vec smr_corners_mean(smr_corner_values v, const float weight[3])
 {
     return smr_add(smr_add(smr_scale(v.a, weight[0]), smr_scale(v.b, weight[1])), smr_scale(v.c, weight[2]));

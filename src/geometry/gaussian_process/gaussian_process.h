@@ -8,10 +8,10 @@
 
 #define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u) /* floats of a factor of n values: the lower triangle by rows */
 
-/* Returns row i of a factor. */
+/* Returns row i of a Cholesky factor, the lower triangle of which is stored row by row. */
 static inline float *smr_factor_row(float *lower, uint32_t i) { return lower + (size_t)i * (i + 1u) / 2u; }
 
-/* Returns the correlation 1 / (1 + d^2 / l^2) of two places. d2: their squared distance; per_length2: 1 / l^2. */
+/* Returns the correlation 1 / (1 + d^2 / l^2) of two places. d2: squared distance; per_length2: 1 / l^2. */
 static inline float smr_kernel(float d2, float per_length2) { return 1.0f / (1.0f + d2 * per_length2); }
 
 /* Computes entry j <= i of row i from the covariance of values i and j, noise included. The rows up to j and the
@@ -19,9 +19,9 @@ static inline float smr_kernel(float d2, float per_length2) { return 1.0f / (1.0
 void smr_factor_set(float *lower, uint32_t i, uint32_t j, float covariance, float least);
 /* Return component i of L^-1 y. row: row i of L; known: components 0 .. i-1; value: y_i. */
 float smr_solve_row(const float *row, uint32_t i, const float *known, float value);
-smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value); /* known: [i][3] */
+smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value); /* y of points; known: [i][3] */
 
-/* Replace y[n] by L^-1 y (forward) or L^-T y (back), and y[n][3] likewise. */
+/* Replace y[n], in functions named ...3 y[n][3], by L^-1 y (forward) or L^-T y (back). lower: the factor L. */
 typedef void smr_solver(float *lower, uint32_t n, float *y);
 smr_solver smr_solve_forward, smr_solve_back, smr_solve_forward3, smr_solve_back3;
 

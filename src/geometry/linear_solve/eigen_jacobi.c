@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/eigen_jacobi.h"
 
-#define SMR_SWEEPS_COLD 6u /* number of Jacobi sweeps that start from the identity */
+#define SMR_SWEEPS_COLD 6u /* number of Jacobi sweeps of smr_eigen(), which starts from the identity */
 
 /* Zeroes the entry pq by a Jacobi rotation in the plane of p and q. pp, qq: the plane's diagonal entries; pr, qr: the
  * other two off-diagonal entries. vp, vq: first entries of the eigenvector columns p and q. */
@@ -69,7 +69,7 @@ void smr_eigen(const float s[6], float value[3], float v[9])
         for (int row = 0; row < 3; row++)
             v[3 * row + k] = e[3 * row + order[k]];
     }
-    const smr_vec third = smr_cross(smr_axis(v, 0), smr_axis(v, 1)); /* makes v a proper rotation */
+    const smr_vec third = smr_cross(smr_axis(v, 0), smr_axis(v, 1)); /* third axis of a proper rotation v */
     v[2] = third.x;
     v[5] = third.y;
     v[8] = third.z;

@@ -7,9 +7,9 @@
 #include "geometry/linear_solve/thin_plate_solve.h"
 
 #define SMR_REFINEMENTS 3u    /* number of corrections of the first solution by its residual */
-#define SMR_PIVOT_MIN 1.0e-9f /* smallest pivot that is not 0; the caller scales the matrix to entries of about 1 */
+#define SMR_PIVOT_MIN 1.0e-9f /* smaller pivots count as 0; the caller scales the matrix to entries of about 1 */
 
-/* Factors s->a into s->lu, rows in the order of s->pivot. Of equal pivots the first is taken. Returns 0 for pivot 0. */
+/* Factors s->a into s->lu, rows in the order of s->pivot. Of equal pivots takes the first. Returns 0 if one is 0. */
 static int factor(const smr_system *s)
 {
     const size_t n = s->n;
@@ -78,7 +78,7 @@ static void add_product(float a, float b, float *sum, float *error)
     *error += p_error;
 }
 
-/* Computes the residuals b - a x, rows in pivot order. */
+/* Computes s->residual, the residuals b - a x, with the rows in pivot order. */
 static void find_residual(const smr_system *s)
 {
     const size_t n = s->n;
@@ -99,7 +99,7 @@ int smr_system_solve(const smr_system *s)
     if (!factor(s))
         return 0;
     memset(s->x, 0, values * sizeof *s->x);
-    for (uint32_t k = 0; k <= SMR_REFINEMENTS; k++) { /* the first pass gives the unrefined solution */
+    for (uint32_t k = 0; k <= SMR_REFINEMENTS; k++) { /* pass 0 solves, each later one refines */
         find_residual(s);
         substitute(s, s->residual);
         for (size_t i = 0; i < values; i++)

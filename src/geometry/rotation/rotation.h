@@ -9,7 +9,7 @@
 
 #define SMR_ANGLE_MAX 1.5f /* rad: longer rotation vectors are shortened to this length */
 
-float smr_cos_degrees(float degrees); /* cosine of an angle of 0 .. 180 degrees */
+float smr_cos_degrees(float degrees); /* returns the cosine of an angle of 0 .. 180 degrees */
 /* Returns w shortened to at most `most` rad; w may be any vector, NaN and infinity included. */
 smr_vec smr_turn_within(smr_vec w, float most);
 /* Writes R - I, row-major, for the rotation R about w by |w| rad. R - I keeps the digits of small rotations. */
@@ -17,7 +17,7 @@ void smr_rodrigues(smr_vec w, float r_minus_i[9]);
 
 /* Writes R - I, row-major, for the rotation R nearest to the matrix A (polar decomposition A = R S). v: in the
  * eigenvectors of A^T A from this cluster's last call, a proper rotation; out the new ones. For rank 2 and reflections
- * R keeps the two larger directions, for rank 1 it is the shortest rotation between both, for rank 0 the identity. */
+ * R keeps the two larger directions, for rank 1 R is the shortest rotation from A's row to its column, for rank 0 I. */
 void smr_polar(const float a[9], float v[9], float r_minus_i[9]);
 
 #define SMR_HALF_TURN 3.1415927f /* rad: the longest rotation vector */
@@ -28,13 +28,13 @@ typedef struct smr_twist {
     smr_vec rate; /* mm: u, the velocity of the origin */
 } smr_twist;
 
-/* Returns the rotation vector, rad, of R, given as R - I: at most half a turn, and there always the same one of two. */
+/* Returns the rotation vector, rad, at most half a turn, of R, given as R - I; for a half turn always the same one. */
 smr_vec smr_rotation_log(const float r_minus_i[9]);
 
 /* Returns the motion that turns by the vector `turn` (rad, no longer than SMR_HALF_TURN) about the point `centre` and
  * then shifts by `shift`, mm. The rate is at most |turn| |centre| + 1.571 |shift|. */
 smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift);
-/* Returns the displacement of p, mm, by the motion, its turn at most SMR_HALF_TURN, and turns *normal (unit, or 0). */
+/* Returns the displacement of p, mm, by the motion (turn at most SMR_HALF_TURN). Rotates *normal (unit, or 0), too. */
 smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal);
 
 #endif

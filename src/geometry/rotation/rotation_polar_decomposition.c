@@ -18,7 +18,7 @@ static smr_vec any_normal(smr_vec a)
     return smr_unit(smr_cross(a, axis));
 }
 
-/* Makes v a rotation again (Gram-Schmidt), since rounding errors add up over warm starts. */
+/* Makes the matrix v a rotation again (Gram-Schmidt), because rounding errors add up in successive warm starts. */
 static void orthonormalise(float v[9])
 {
     const smr_vec a = smr_unit(smr_axis(v, 0)), oblique = smr_axis(v, 1);
@@ -69,7 +69,7 @@ void smr_polar(const float a[9], float v[9], float m[9])
     for (int i = 0; i < 9; i++)
         n[i] = a[i] / largest;
     const smr_vec column[3] = {smr_axis(n, 0), smr_axis(n, 1), smr_axis(n, 2)};
-    smr_products(column, column, s); /* A^T A */
+    smr_products(column, column, s); /* s = A^T A / largest^2 */
     smr_congruence(s, v, d);
     smr_jacobi(d, v, SMR_SWEEPS_WARM);
     orthonormalise(v);

@@ -54,7 +54,7 @@ void smr_rodrigues(smr_vec w, float m[9])
     }
     float s, c;
     sinc(a2, &s, &c);
-    /* R - I = s [w]x + c (w w^T - a^2 I) */
+    /* R - I = s [w]x + c (w w^T - a^2 I), with [w]x the matrix of the cross product */
     m[0] = c * (w.x * w.x - a2);
     m[1] = c * w.x * w.y - s * w.z;
     m[2] = c * w.x * w.z + s * w.y;
@@ -86,7 +86,7 @@ static const float terms[SMR_TERMS][SERIES] = {
     {1.0f / 121645100408832000.0f, 1.0f / 2432902008176640000.0f, 0.0f, 0.0f},
 };
 
-/* Returns the function `which` of the squared angle a2, rad^2. */
+/* Returns the function `which`, SINE, COSINE, CUBIC or INVERSE, of the squared angle a2, rad^2. */
 static inline float series(uint32_t which, float a2)
 {
     float sum = terms[SMR_TERMS - 1u][which];
@@ -98,7 +98,7 @@ static inline float series(uint32_t which, float a2)
 /* Returns atan(y / x) / y for x >= 0 and y >= 0, not both 0; the limit 1 / x where y is 0. */
 static float arc_over(float y, float x)
 {
-    /* beyond pi / 8: atan(y / x) = pi / 4 + atan((y - x) / (y + x)), and beyond 3 pi / 8 pi / 2 - atan(x / y) */
+    /* atan(y / x) is pi / 4 + atan((y - x) / (y + x)) above pi / 8, pi / 2 - atan(x / y) above 3 pi / 8 */
     const int far = y > 2.4142136f * x, middle = !far && y > 0.41421357f * x;
     const float z = far ? -x / y : (middle ? (y - x) / (y + x) : y / x), z2 = z * z;
     const float p = 1.0f + z2 * (-3.33329491539e-1f +
@@ -108,10 +108,10 @@ static float arc_over(float y, float x)
     return ((far ? 1.5707964f : 0.78539818f) + z * p) / y;
 }
 
-/* The largest of four squares decides which component of the quaternion follows from a root (Shepperd 1978). */
+/* Finds a multiple of R's quaternion (w, q); the largest of four squares picks the formula (Shepperd 1978). */
 smr_vec smr_rotation_log(const float m[9])
 {
-    const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2; likewise x2, y2 and z2 */
+    const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2 of the quaternion; x2, y2, z2 likewise */
     const float x2 = m[0] - m[4] - m[8], y2 = m[4] - m[0] - m[8], z2 = m[8] - m[0] - m[4];
     const smr_vec skew = smr_v(m[7] - m[5], m[2] - m[6], m[3] - m[1]);
     smr_vec q;
@@ -138,13 +138,13 @@ smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift)
 {
     const float a2 = smr_dot(turn, turn);
     const float k = 0.5f * series(INVERSE, a2) / series(COSINE, a2);
-    /* about the centre the rate is V^-1 shift, with V^-1 = I - [turn] / 2 + k [turn]^2 */
+    /* the shift adds V^-1 shift to the rate, with V^-1 = I - [turn] / 2 + k [turn]^2 */
     const smr_vec across = smr_cross(turn, shift);
     const smr_vec bent = smr_sub(smr_scale(smr_cross(turn, across), k), smr_scale(across, 0.5f));
     return (smr_twist){turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
 }
 
-/* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2 acts on p's velocity: small motions keep digits. */
+/* Returns V (turn x p + u), V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2; small motions keep digits */
 smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal)
 {
     const smr_vec turn = smr_turn_within(twist.turn, SMR_HALF_TURN);

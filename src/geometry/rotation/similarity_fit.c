@@ -5,15 +5,15 @@
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_FIT_OPEN 1.0e-4f /* axes with less than this share of the largest curvature are undetermined */
-#define SMR_FIT_NEAR 0.01f   /* longest Newton step, rad; reflections and deficient ranks would take longer ones */
+#define SMR_FIT_OPEN 1.0e-4f /* rotation axes with less than this share of the largest curvature are undetermined */
+#define SMR_FIT_NEAR 0.01f   /* rad: longer Newton steps, as in reflections and deficient ranks, are not taken */
 
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
 {
     *f = (smr_fit){.origin_from = origin_from, .origin_to = origin_to};
 }
 
-/* Adds a term to sum i with compensation (Neumaier 1974). Rounded sums would move the end of a bone by a micrometre. */
+/* Adds a term to f->sum[i] with compensation (Neumaier 1974). Rounding would move the end of a bone by a micrometre. */
 static void add(smr_fit *f, uint32_t i, float term)
 {
     const float before = f->sum[i], sum = before + term;
@@ -42,7 +42,7 @@ void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
 static void sharpen(const float a[9], float r[9])
 {
     float m[9], turn[9], out[9], c[6], p[6];
-    for (uint32_t i = 0; i < 9u; i++) /* R^T A */
+    for (uint32_t i = 0; i < 9u; i++) /* m = R^T A */
         m[i] = r[i / 3u] * a[i % 3u] + r[3u + i / 3u] * a[3u + i % 3u] + r[6u + i / 3u] * a[6u + i % 3u];
     c[SMR_XX] = m[4] + m[8];
     c[SMR_YY] = m[8] + m[0];
@@ -55,7 +55,7 @@ static void sharpen(const float a[9], float r[9])
     if (!(smr_dot(w, w) < SMR_FIT_NEAR * SMR_FIT_NEAR))
         return;
     smr_rodrigues(w, turn);
-    for (uint32_t i = 0; i < 9u; i++) /* R + R (turn - I) */
+    for (uint32_t i = 0; i < 9u; i++) /* out = R + R (turn - I) */
         out[i] = r[i] + (r[i / 3u * 3u] * turn[i % 3u] + r[i / 3u * 3u + 1u] * turn[3u + i % 3u] +
                          r[i / 3u * 3u + 2u] * turn[6u + i % 3u]);
     memcpy(r, out, sizeof out);

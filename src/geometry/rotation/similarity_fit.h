@@ -22,12 +22,12 @@ static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
     p->m[2][3] = shift.z;
 }
 
-/* Indexes of the sums in smr_fit. */
+/* Index of the first entry of each kind of sum in smr_fit.sum[]; SMR_FIT_SUMS is the number of entries. */
 enum { SMR_FIT_FROM = 0, SMR_FIT_TO = 3, SMR_FIT_CROSS = 6, SMR_FIT_FROM2 = 15, SMR_FIT_TO2, SMR_FIT_SUMS };
 
 /* Sums over pairs of points (from, to) with weights w; points are relative to the origins. */
 typedef struct smr_fit {
-    smr_vec origin_from, origin_to; /* mm */
+    smr_vec origin_from, origin_to; /* mm: origins of the points `from` and `to` */
     float sum[SMR_FIT_SUMS];        /* sums of w from, w to, w to from^T (row-major), w |from|^2, w |to|^2 */
     float lost[SMR_FIT_SUMS];       /* rounding errors of sum[] */
     float weight;                   /* sum of w */

@@ -16,14 +16,14 @@ static inline int smr_all_within(const float *value, size_t n, float most)
 
 /* Checks every count, index and coordinate of a caller's mesh. Errors: E_NULL, E_INPUT. */
 smr_status smr_mesh_check(const smr_mesh *mesh);
-/* normal[n][3]: area-weighted unit vertex normals; 0 without area. area[n] or NULL: a third of adjacent areas, mm^2. */
+/* Writes normal[n][3]: unit vertex normals, 0 without area; unless NULL, area[n]: a third of adjacent areas, mm^2. */
 void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area);
 
 /* Adds twice the area vector of each triangle first .. last-1 to normal[] of the triangle's corners; unless area is
  * NULL, also a third of the triangle's area, mm^2, to area[] of the corners. */
 void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t first, uint32_t last, float *normal,
                           float *area);
-/* Returns 1 for a closed mesh: equally many triangles along each edge either way. A 64-bit sum of hashes decides. */
+/* Returns 1 for a closed mesh: each edge has as many triangles in either direction. A 64-bit sum of hashes decides. */
 int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles);
 
 #endif

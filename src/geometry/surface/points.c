@@ -6,7 +6,7 @@
 #include "geometry/surface/surface.h"
 #include "base/arena.h"
 
-#define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal counts as no normal */
+#define SMR_NORMAL_LEAST 1.0e-3f /* length of the shortest normal; a shorter one counts as none */
 #define SMR_NORMAL_MOST 1.0e3f   /* largest absolute entry of a normal */
 
 _Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 8u * SMR_ALIGN, "SMR_POINTS_BYTES is too small");
@@ -53,7 +53,7 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
     return SMR_OK;
 }
 
-/* Writes the unit normal, or 0 for no normal. Returns 0 when the normal is not finite or too large. */
+/* Writes the unit normal; 0 for NULL or a too short normal. Returns 0 when the normal is not finite or too large. */
 static int take_normal(const float *normal, smr_vec *unit)
 {
     *unit = smr_v(0, 0, 0);
@@ -69,7 +69,7 @@ static int take_normal(const float *normal, smr_vec *unit)
 
 static int legal_weight(float weight) { return weight >= 0.0f && weight <= SMR_WEIGHT_MAX; }
 
-/* Returns SMR_OK for points that smr_points_open() has opened. */
+/* Returns SMR_OK for points that smr_points_open() has opened, otherwise E_NULL or E_STATE. */
 static smr_status usable(const smr_points *points)
 {
     return points == NULL ? SMR_E_NULL : smr_points_valid(points) ? SMR_OK : SMR_E_STATE;

@@ -10,47 +10,47 @@
 /* Progress of building or refitting a surface. */
 typedef struct smr_surface_work {
     smr_mesh mesh;      /* the caller's mesh; in a refit only its positions are read */
-    uint32_t stage, at; /* current stage of the list; items of that stage done so far */
-    uint32_t refit;     /* 1: only positions are new */
+    uint32_t stage, at; /* index of the current stage; number of items of that stage done so far */
+    uint32_t refit;     /* 1: a refit, in which only positions are new; 0: a build */
     uint32_t refused;   /* 1: a stage has found illegal input */
     uint32_t *index;    /* [n][3] triangles of a cloud's copy: triangle k is point k; NULL: a mesh is built */
-    const struct smr_surface *cloud; /* cloud whose normals and weights are copied */
+    const struct smr_surface *cloud; /* cloud of points, normals and weights that is copied */
     uint32_t changes;                /* change counter of the cloud when the build began */
     smr_box box;                     /* box around the vertices checked so far, mm */
-    float area;                      /* area of the triangles summed so far, mm^2 */
+    float area;                      /* sum of area[] of the vertices visited so far, mm^2 */
     smr_order order;                 /* sort of the triangles into tree order */
-    float *middle;                   /* [n_triangles][3] centres of triangles, mm */
-    uint32_t *key, *tmp;             /* [n_triangles], [2 n_triangles] scratch of sorts */
-    uint32_t *start;     /* [n_vertices + 1] first entry of each vertex in around[]; then a flag; then a triangle */
-    uint32_t *around;    /* [at least 3 n_triangles] triangles around the vertices */
-    unsigned char *body; /* [n_triangles] SMR_BODY_...: connected component of each triangle; over around[] */
+    float *middle;                   /* [n_triangles][3] centres of triangles, times 3, mm */
+    uint32_t *key, *tmp;             /* key [n_triangles], tmp [2 n_triangles]: scratch of sorts and union-find */
+    uint32_t *start;     /* [n_vertices + 1] a triangle of each vertex, or SMR_NONE; earlier stages: scratch */
+    uint32_t *around;    /* [at least 3 n_triangles] numbers of the triangles at each vertex, vertex after vertex */
+    unsigned char *body; /* [n_triangles] SMR_BODY_...: connected component of each triangle; in around[] */
 } smr_surface_work;
 
 struct smr_surface {
     uint32_t magic; /* SMR_SURFACE_MAGIC; SMR_SURFACE_BUSY while the surface is built or refitted */
     uint32_t n_vertices;
     uint32_t open;       /* 1: an edge outside stray components has only one triangle, or the surface is a cloud */
-    uint32_t n_used;     /* vertices with triangles outside stray components */
-    uint32_t n_fragment; /* triangles of stray components, which registration ignores */
+    uint32_t n_used;     /* number of vertices with triangles outside stray components */
+    uint32_t n_fragment; /* number of triangles in stray components, which registration ignores */
     uint32_t n_fragment_vertices;
-    uint32_t n_bodies;     /* connected components of more than 1 / SMR_BODY_PART of all triangles */
-    uint32_t capacity;     /* most points of a cloud; 0: a mesh */
+    uint32_t n_bodies;     /* number of connected components with more than 1 / SMR_BODY_PART of all triangles */
+    uint32_t capacity;     /* largest number of points of a cloud; 0: the surface is a mesh */
     uint32_t changes;      /* number of changes of a cloud's points, or of refits of a mesh */
-    float area_mean;       /* mean of area[], mm^2 */
+    float area_mean;       /* mean of area[] over n_used vertices, mm^2; 1 for a cloud */
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box, from which xyz[] counts */
-    float *xyz;            /* [n_vertices][3] mm from origin, in the caller's order */
+    float *xyz;            /* [n_vertices][3] vertex positions, mm from origin, in the caller's order */
     float *normal;         /* [n_vertices][3] unit vertex normals */
     float *area;           /* [n_vertices] a third of the area of the adjacent triangles, mm^2; 0 in stray components */
     uint32_t *triangle;    /* [n_triangles][3] vertex indexes, in tree order */
     uint32_t *original;    /* [n_triangles] the caller's index of each triangle */
-    unsigned char *border; /* [n_triangles] bit k: edge k..k+1 on a border; 3+k: corner k */
-    smr_box_tree tree;     /* box tree over the arrays above */
+    unsigned char *border; /* [n_triangles] bit k: edge from corner k to k + 1 is on a border; bit 3 + k: corner k is */
+    smr_box_tree tree;     /* box tree over the triangles */
     smr_surface_work work;
 };
 
-/* Numbers of components: small open ones, which registration ignores; other small ones together; then one by one. */
+/* Numbers of connected components. FRAGMENT: small, open, ignored; SMALL: other small ones; FIRST ..: large ones. */
 enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
-#define SMR_BODY_PART 250u /* a component of more than 1 / this of all triangles gets a number of its own, in a byte */
+#define SMR_BODY_PART 250u /* a component of more than 1 / this of all triangles gets its own number, below 256 */
 
 #define SMR_SURFACE_MAGIC 0x736d7253u /* smr_surface.magic of a complete surface */
 #define SMR_SURFACE_BUSY 0x736d7262u  /* smr_surface.magic of a surface that is being built or refitted */
@@ -67,30 +67,30 @@ static inline int smr_surface_fragment(const smr_surface *s, uint32_t v)
     return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && s->work.body[s->work.start[v]] == SMR_BODY_FRAGMENT;
 }
 
-/* Returns the component of a vertex, SMR_BODY_...; SMR_BODY_SMALL for all points of a cloud. */
+/* Returns the connected component, SMR_BODY_..., of a vertex: 0 without triangles, SMR_BODY_SMALL in clouds. */
 static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 {
     return smr_is_cloud(s) ? SMR_BODY_SMALL : s->work.start[v] != SMR_NONE ? s->work.body[s->work.start[v]] : 0u;
 }
 
-/* Finds the closest acceptable triangle outside fragments and components with use[component] 0; use NULL: in all. */
+/* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0. */
 static inline void smr_surface_search(const smr_surface *s, const unsigned char *use, const smr_query *q, smr_hit *hit)
 {
     const smr_tree_mask mask = {s->work.body, use};
     smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit);
 }
 
-/* A stage of a build, over the items first .. last-1. Some find stray components; a refit runs the last one, too. */
+/* A stage of a build: does the items first .. last-1. These find stray components; a refit also runs the last one. */
 typedef void smr_surface_stage(smr_surface *s, uint32_t first, uint32_t last);
 smr_surface_stage smr_fragments_forget, smr_fragments_join, smr_fragments_sum, smr_bodies_number, smr_fragments_mark;
 smr_surface_stage smr_fragments_release;
 
-/* Returns 1 when the point with these barycentric weights on the triangle lies on an edge of one triangle. */
+/* Returns 1 when the triangle's point with these barycentric weights lies on a border, an edge of one triangle only. */
 uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3]);
 
 /* The position of a point relative to a surface. Distance and direction are continuous functions of the point. */
 typedef struct smr_side {
-    float mm;          /* signed distance, negative inside */
+    float mm;          /* signed distance to the surface, mm, negative inside */
     smr_vec out;       /* gradient of the distance, about unit length; 0 where opposite directions are equally short */
     uint32_t triangle; /* closest triangle, in tree order */
     float weight[3];   /* barycentric weights of the closest point */
@@ -103,7 +103,7 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
 /* A cloud of points in the caller's memory. Points attract the model as target vertices do, with weights as areas. */
 struct smr_points {
     uint32_t magic;      /* SMR_POINTS_MAGIC */
-    uint32_t next;       /* slot of the next point, < surface.capacity */
+    uint32_t next;       /* index that the next added point gets, < surface.capacity */
     smr_surface surface; /* the first n_vertices slots hold xyz, normal (0: none) and, as area, the weight; origin 0 */
 };
 

@@ -6,7 +6,7 @@
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
 
-#define SMR_SURFACE_ITEMS 256u /* items in a unit of work */
+#define SMR_SURFACE_ITEMS 256u /* cost of a unit of work, in items of cost 1 */
 #define SMR_SURFACE_EDGES 4u   /* cost, in items, of counting the triangles of a triangle's edges */
 #define SMR_SURFACE_LEAF 16u   /* cost, in items, of a leaf of the tree */
 #define SMR_SURFACE_NODE 32u   /* cost, in items, of a node above the leaves */
@@ -26,7 +26,7 @@ static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *
     s->work.key = smr_arena_take(a, nt, sizeof(uint32_t));
     s->work.tmp = smr_arena_take(a, nt, 2 * sizeof(uint32_t));
     s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
-    s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t)); /* holds the counts of a sort first */
+    s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t)); /* triangles at vertices; before: counts */
     s->work.body = (unsigned char *)s->work.around;
     return self;
 }
@@ -46,7 +46,7 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* Number of triangles with the edge v-w, at most 2. Searches the triangles around the vertex that has fewer. */
+/* Returns the number of triangles with the edge v-w, at most 2, searched at the vertex with fewer triangles. */
 static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
 {
     const uint32_t *const start = s->work.start;
@@ -118,7 +118,7 @@ static void add_normals(smr_surface *s, uint32_t first, uint32_t last)
     smr_mesh_add_normals(s->xyz, s->triangle, first, last, s->normal, s->area);
 }
 
-/* Normalises the vertex normals and sums the areas. */
+/* Scales the vertex normals to unit length, and adds the vertices' areas to work.area. */
 static void unit_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
     if (first == 0u)
@@ -129,7 +129,7 @@ static void unit_normals(smr_surface *s, uint32_t first, uint32_t last)
     }
 }
 
-/* Four stages list the triangles around each vertex: counts, ends of ranges, then the ranges from the back. */
+/* Clears work.start. First of four stages that list the triangles around each vertex: clear, count, sum, list. */
 static void clear_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
     memset(s->work.start + first, 0, (last + 1u - first) * sizeof *s->work.start);
@@ -158,7 +158,7 @@ static void list_triangles(smr_surface *s, uint32_t first, uint32_t last)
         s->work.around[--s->work.start[s->triangle[i]]] = (uint32_t)(i / 3u);
 }
 
-/* Finds the edges of one triangle. Two more stages find the corners on such edges. */
+/* Sets bits 0 .. 2 of border[]: edges that one triangle has. Two later stages set the bits of corners on such edges. */
 static void find_borders(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
@@ -187,7 +187,7 @@ static void find_corners(smr_surface *s, uint32_t first, uint32_t last)
                 s->border[k] |= (unsigned char)(8u << c);
 }
 
-/* Makes each point of a cloud's copy a triangle without area. */
+/* Makes point i of a cloud's copy the three corners of triangle i, which has no area. */
 static void index_points(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
@@ -217,15 +217,15 @@ static void fit_nodes(smr_surface *s, uint32_t first, uint32_t last)
     smr_tree_refit_nodes(&s->tree, leaves + first, leaves + last);
 }
 
-/* ---- The list ---- */
+/* ---- The list of stages ---- */
 
 enum { OF_VERTICES = 0, OF_TRIANGLES, OF_LEAVES, OF_NODES, OF_ONE };
 
 static const struct {
     smr_surface_stage *run;
     uint16_t of;   /* OF_...: the items of the stage */
-    uint16_t when; /* 0: builds; 1: builds and refits; 2: copies of clouds */
-    uint32_t cost; /* cost of an item, in items */
+    uint16_t when; /* which work has the stage: 0: builds; 1: builds and refits; 2: copies of clouds */
+    uint32_t cost; /* cost of an item of the stage; a unit of work costs SMR_SURFACE_ITEMS */
 } stages[] = {
     {index_points, OF_TRIANGLES, 2, 1},         {check_vertices, OF_VERTICES, 1, 1},
     {check_triangles, OF_TRIANGLES, 0, 1},      {copy_vertices, OF_VERTICES, 1, 1},

@@ -7,11 +7,11 @@
 #include "geometry/box_tree/triangle.h"
 
 #define SMR_DEPTH_MOST 100.0f /* mm: greater depths count as this depth */
-#define SMR_LINES 64u         /* most lines of the grid in each of two directions */
+#define SMR_LINES 64u         /* largest number of lines of the volume's grid along each of two axes */
 #define SMR_LINE_MM 0.25f     /* smallest distance between two lines, mm */
 #define SMR_CROSSINGS 64u     /* most crossings of a line with one surface */
 
-/* A measurement of surface a inside and near surface b. */
+/* Depth and contact area of surface a in surface b, measured at a's triangles and vertices. */
 typedef struct sweep {
     const smr_surface *a, *b;
     smr_vec shift;       /* vector from a's origin to b's, mm */
@@ -30,7 +30,7 @@ typedef struct crossing {
 typedef struct line {
     uint32_t u, v, w;                  /* the two axes across the line, and the axis along it */
     float pu, pv;                      /* coordinates of the line on the axes u and v, mm */
-    uint32_t n;                        /* crossings found */
+    uint32_t n;                        /* number of crossings found */
     crossing list[2u * SMR_CROSSINGS]; /* [n] crossings, ascending */
 } line;
 
@@ -96,7 +96,7 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     }
 }
 
-/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0: this holds near folds, too. */
+/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0, also near folds. */
 static int is_inside(const smr_surface *s, smr_vec p)
 {
     line l = {1, 2, 0, p.y, p.z, 0, {{0, 0}}};
@@ -158,7 +158,7 @@ static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
     sweep s = {a, b, smr_sub(b->origin, a->origin), no_box, used_box(b), within, 0.0f, 0.0f};
     for (uint32_t k = 0; k < a->tree.n_triangles; k++)
         sample_triangle(&s, k);
-    for (uint32_t v = 0; v < a->n_vertices; v++) /* vertices without triangles have no normal */
+    for (uint32_t v = 0; v < a->n_vertices; v++) /* skips vertices without triangles: area 0, no normal */
         if (a->area[v] > 0.0f)
             s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_get3(a->xyz, v), s.shift), 0.0f));
     return s;

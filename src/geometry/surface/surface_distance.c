@@ -7,8 +7,8 @@
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_SIDE_NEAR 0.1f       /* mm: below about this distance the direction is the interpolated vertex normal */
-#define SMR_SIDE_TIE 1.00001f    /* squared distances within this factor belong to the same edge or corner */
+#define SMR_SIDE_NEAR 0.1f    /* mm: below about this distance the direction is the interpolated vertex normal */
+#define SMR_SIDE_TIE 1.00001f /* triangles with squared distances within this factor share the closest edge or corner */
 #define SMR_SIDE_ZERO 1.0e-10f   /* mm^2: smaller squared distances count as 0 */
 #define SMR_STRAIGHT 3.14159265f /* rad: 180 degrees */
 

@@ -8,11 +8,11 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_FRAGMENT_PART 256u  /* a component of at most 1 / this of all triangles is a fragment */
+#define SMR_FRAGMENT_PART 256u  /* an open component of at most 1 / this of all triangles is a fragment */
 #define SMR_FRAGMENT_LEAST 512u /* a surface of fewer triangles has no fragments */
-#define SMR_FRAGMENT_SHARE 8u   /* fragments together are at most 1 / this of all triangles */
+#define SMR_FRAGMENT_SHARE 8u   /* fragments of more than 1 / this of all triangles are not treated as fragments */
 
-/* [n_triangles] union-find: each triangle's parent; each root's number of triangles, and of those with a border. */
+/* Union-find arrays [n_triangles]. parent: of each triangle; count: triangles of a root; edges: those at borders. */
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }
@@ -64,7 +64,7 @@ void smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
         s->n_fragment = 0;
 }
 
-/* Writes the number SMR_BODY_... of each root's component to edges(), where the count of border edges was. */
+/* Sets edges() of each root in first .. last-1 to the number SMR_BODY_... of that root's component. */
 void smr_bodies_number(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
