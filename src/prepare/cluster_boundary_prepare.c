@@ -6,9 +6,9 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-#define SMR_BOUNDARY_MM 7.0e-4f /* half the boundary's width: about thirty times the rounding of coordinates */
+#define SMR_BOUNDARY_MM 7.0e-4f /* mm: largest half width of the boundary, thirty times the rounding of coordinates */
 #define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width of the boundary, as a share of the radius */
-#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* rounding error of squared distances to boxes, as a share of them */
+#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* largest relative rounding error of squared distances to boxes */
 
 static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 {
@@ -18,7 +18,7 @@ static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
     return 0;
 }
 
-/* Writes the pair a, b if its weight differs from the lists'; counts pairs not in the lists. half: half width, mm. */
+/* Writes the pair a, b if its weight differs from the lists'; counts pairs beyond the radius. half: half width, mm. */
 static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
 {
     const smr_vec d = smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b));
@@ -37,7 +37,7 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     p->n_outside[b] += !inside;
 }
 
-/* Writes the boundary pairs of v and vertices with larger numbers. */
+/* Writes the boundary pairs of v and vertices with larger numbers. half: half the boundary's width, mm. */
 static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, float half)
 {
     const smr_vec at = smr_get3(p->xyz, v);

@@ -8,10 +8,10 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-#define SMR_INSIDE 0.99999f  /* boxes nearer than this times r^2 hold only members of the cluster, despite rounding */
-#define SMR_OUTSIDE 1.00001f /* boxes beyond this times r^2 hold no member of the cluster, despite rounding */
+#define SMR_INSIDE 0.99999f  /* factor of r^2: a box wholly within this squared distance holds only members */
+#define SMR_OUTSIDE 1.00001f /* factor of r^2: a box wholly beyond this squared distance holds no member */
 
-/* Adds the vertices first .. last-1 to the row. */
+/* Adds the vertices first .. last-1 to the row of bits. */
 static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
 {
     smr_row_cover(row, words, first / 64u, (last - 1u) / 64u + 1u);
@@ -33,7 +33,7 @@ uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float out
         float near2 = 0.0f, far2 = 0.0f; /* squared distances to the box' nearest and farthest point, mm^2 */
         for (uint32_t axis = 0; axis < 3u; axis++) {
             const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
-            const float out = smr_positive(below) + smr_positive(above); /* at most one is positive */
+            const float out = smr_positive(below) + smr_positive(above); /* distance outside the box; one term is 0 */
             const float far = smr_positive(below - above) - below;
             near2 += out * out;
             far2 += far * far;
@@ -45,7 +45,7 @@ uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float out
     return inner;
 }
 
-/* Not inlined: GCC would unroll an inlined loop instead of vectorising it. */
+/* Returns the leaf's vertices within r2, mm^2, of p as bits. Not inlined: GCC would unroll, not vectorise, the loop. */
 __attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float r2)
 {
     uint32_t members = 0;
@@ -175,7 +175,7 @@ void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 
 #define SMR_TOGETHER 31u /* number of words whose bits, 8 a word, can be counted in one byte: at most 255 */
 
-/* Counts the bits of each byte of x, without a branch. */
+/* Returns, in each byte, the number of bits set in that byte of x. The function has no branch. */
 static uint64_t bits_per_byte(uint64_t x)
 {
     x = x - (x >> 1 & 0x5555555555555555u);
@@ -206,17 +206,17 @@ uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t
     return count;
 }
 
-/* The nearest vertices so far, nearest first: [n] of at most k. */
+/* The n <= k vertices found so far that are nearest to a given vertex, the nearest first. */
 typedef struct candidates {
     float d2[SMR_NEAREST]; /* squared distances, mm^2 */
-    uint32_t *found;       /* [k] vertices */
+    uint32_t *found;       /* [k] numbers of the vertices */
     uint32_t n, k;
 } candidates;
 
 /* Returns 1 when the list is full and d2 is not below the list's last distance. */
 static int too_far(const candidates *c, float d2) { return c->n == c->k && d2 >= c->d2[c->k - 1u]; }
 
-/* Inserts a vertex by distance; the farthest vertex drops out of a full list. */
+/* Inserts a vertex into the list, sorted by distance; the farthest vertex drops out of a full list. */
 static void insert(candidates *c, uint32_t vertex, float d2)
 {
     uint32_t i = c->n < c->k ? c->n++ : c->k - 1u;

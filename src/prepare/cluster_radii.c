@@ -8,13 +8,13 @@
 #include "prepare/prepare_plan.h"
 
 #define SMR_COARSEST 0.25f    /* coarsest radius, as a share of the model's length */
-#define SMR_FINE_EDGES 1.7f   /* finest radius but one, in mean edge lengths */
+#define SMR_FINE_EDGES 1.7f   /* second finest radius, in mean edge lengths */
 #define SMR_FREE_EDGES 0.01f  /* finest radius, in mean edge lengths */
 #define SMR_RATIO 0.66f       /* each radius as a share of the next coarser one */
-#define SMR_MEMBERS_MAX 1500u /* largest mean |zeta|: more makes iterations slow without deforming better */
-#define SMR_PROBES 64u        /* number of clusters over which the mean |zeta| is taken */
+#define SMR_MEMBERS_MAX 1500u /* largest mean number of vertices in a cluster: more only makes iterations slow */
+#define SMR_PROBES 64u        /* largest number of clusters that are built to estimate the mean size */
 
-/* Returns the mean |zeta| at this radius over SMR_PROBES vertices, spread over the caller's numbers, so in any pose. */
+/* Returns the mean number of vertices in clusters of this radius, mm, estimated from at most SMR_PROBES clusters. */
 static uint32_t mean_members(smr_plan *p, float radius)
 {
     uint64_t sum = 0;
@@ -26,7 +26,7 @@ static uint32_t mean_members(smr_plan *p, float radius)
     return (uint32_t)(sum / probes);
 }
 
-/* Returns the model's length, mm: the length of a thin rod with the same variance of points, in any pose. */
+/* Returns the model's length, mm: that of a thin rod whose points have the same variance. The pose does not matter. */
 static float rod_length(const smr_plan *p)
 {
     smr_vec mean = smr_v(0, 0, 0);

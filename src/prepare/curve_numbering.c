@@ -14,7 +14,7 @@ static smr_box whole_box(const smr_plan *p)
     return box;
 }
 
-/* Writes centre, original, position, xyz and owner. */
+/* Numbers the vertices along the curve: writes the plan's centre, original, position, xyz and owner. */
 static void order_vertices(smr_plan *p)
 {
     const smr_box box = whole_box(p);
@@ -36,7 +36,7 @@ static void order_vertices(smr_plan *p)
         }
 }
 
-/* Writes triangle_index and triangle. */
+/* Puts each structure's triangles into tree order: writes the plan's triangle_index and triangle. */
 static void order_triangles(smr_plan *p)
 {
     uint32_t first_vertex = 0, first = 0;
@@ -52,7 +52,7 @@ static void order_triangles(smr_plan *p)
     }
 }
 
-/* Builds the box tree over vertices. The boxes of leaf k are the vertices 8k .. 8k+7. */
+/* Builds the box tree over vertices. The children of leaf k are the vertices 8k .. 8k+7, boxes of size 0. */
 static void build_point_tree(smr_plan *p)
 {
     for (uint32_t leaf = 0; leaf < smr_tree_leaves(&p->points); leaf++) {

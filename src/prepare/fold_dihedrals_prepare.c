@@ -5,12 +5,12 @@
 #include "geometry/box_tree/triangle.h"
 #include "prepare/prepare_plan.h"
 
-/* Cosines of the angle between the normals of an edge's two triangles. SMR_RIGHT_BACK is above SMR_DIHEDRAL_OPEN. */
-#define SMR_RIGHT 0.02f          /* edges below 90 degrees at rest fold at 89 degrees, or at half the rest cosine */
-#define SMR_RIGHT_BACK (-0.25f)  /* edges of 90 degrees at rest (caps, corners) fold at 104 degrees */
-#define SMR_ROUNDING 1.0e-4f     /* cosine up to which an edge counts as one of 90 degrees */
-#define SMR_BACK (-0.48f)        /* edges above 90 degrees at rest fold at 119 degrees or more */
-#define SMR_TURNED_BACK (-0.75f) /* edges with a lower cosine at rest are folded already and are left out */
+/* Limits are cosines of the angle between the normals of an edge's triangles. SMR_RIGHT_BACK > SMR_DIHEDRAL_OPEN. */
+#define SMR_RIGHT 0.02f         /* fold limit of edges bent < 90 degrees at rest: 89 degrees, or half the rest cosine */
+#define SMR_RIGHT_BACK (-0.25f) /* fold limit of edges bent by 90 degrees at rest (caps, corners): 104 degrees */
+#define SMR_ROUNDING 1.0e-4f    /* edges with a rest cosine of 0 down to minus this count as bent by 90 degrees */
+#define SMR_BACK (-0.48f)       /* fold limit of edges bent above 90 degrees at rest: 119 degrees or more */
+#define SMR_TURNED_BACK (-0.75f) /* edges with a lower rest cosine are folded already and are left out */
 
 /* Writes the two vertices of edge i % 3 of triangle i / 3, the smaller number first. */
 static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high)

@@ -24,7 +24,7 @@ static void list_corners(smr_plan *p)
     }
 }
 
-/* Computes the mean and the longest edge. Each edge counts twice, from either end. */
+/* Computes edge_mm and edge_max, the mean and largest edge length. Each edge counts twice, once from either end. */
 static void measure_edges(smr_plan *p)
 {
     float sum = 0.0f;
@@ -38,7 +38,7 @@ static void measure_edges(smr_plan *p)
     p->edge_mm = p->neighbour_start[p->n] > 0u ? sum / (float)p->neighbour_start[p->n] : 0.0f;
 }
 
-/* Finds the distinct mesh neighbours of each vertex, ascending, and measures the edges. */
+/* Lists the distinct mesh neighbours of each vertex, ascending, and measures the lengths of edges. */
 void smr_plan_neighbours(smr_plan *p)
 {
     uint32_t *start = p->neighbour_start;

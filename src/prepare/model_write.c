@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-/* Writes the smr_stored_radius of a radius, whose lists are complete, at offset `at`. */
+/* Writes the smr_stored_radius of one radius at offset `at`. l: the radius' lists, already complete. */
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,
                          uint32_t active_min)
 {
@@ -19,7 +19,7 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
         smr_put32(w, at + 32u + 4u * i, (uint32_t)others[i]);
 }
 
-/* Writes the lists of one radius. Blocks are parts of the curve with equally many vertices, to within one vertex. */
+/* Writes the cluster lists of one radius. Blocks are parts of the curve with equal numbers of vertices, +- 1. */
 static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t index, uint32_t n_radii)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
@@ -73,7 +73,7 @@ static size_t write_structures(const smr_plan *p, smr_writer *w)
     return at;
 }
 
-/* Writes value[table[i]] for i < n; table NULL: value[i]. Returns the section's offset. */
+/* Writes a section of the n numbers value[table[i]]; table NULL: value[i]. Returns the section's offset. */
 static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32_t *table, size_t n)
 {
     const size_t at = smr_put_section(w, n * sizeof *value);
@@ -82,7 +82,7 @@ static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32
     return (uint32_t)at;
 }
 
-/* Writes a section of `width` floats a vertex, in stored order. Returns the section's offset. */
+/* Writes a section with `width` floats for each vertex, in stored order. Returns the section's offset. */
 static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *value, size_t width)
 {
     const size_t at = smr_put_section(w, p->n * width * sizeof *value);
@@ -91,7 +91,7 @@ static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *valu
     return (uint32_t)at;
 }
 
-/* Writes a section of `width` bytes a vertex, in stored order. Returns the section's offset. */
+/* Writes a section with `width` bytes for each vertex, in stored order. Returns the section's offset. */
 static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *value, size_t width)
 {
     const size_t at = smr_put_section(w, p->n * width);

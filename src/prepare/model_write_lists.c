@@ -27,7 +27,7 @@ size_t smr_put_section(smr_writer *w, size_t bytes)
     return at;
 }
 
-/* Writes an index, 2 or 4 bytes wide, at offset `at`. */
+/* Writes an index, l->index_bytes (2 or 4) wide, at offset `at` of the model. */
 static void put_index(smr_list_writer *l, size_t at, uint32_t value)
 {
     if (l->index_bytes == 2u)
@@ -44,7 +44,7 @@ void smr_list_block(smr_list_writer *l)
     l->n_blocks++;
 }
 
-/* Appends the vertices in `own` but not in `other` (NULL: none), as stored numbers, ascending. Returns their number.
+/* Appends the vertices in `own` but not in `other` (NULL: empty), as stored numbers, ascending. Returns their number.
  * Within a level, stored numbers ascend along the curve, so vertices are sorted by level alone. */
 static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *own, const uint64_t *other)
 {

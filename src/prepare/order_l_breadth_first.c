@@ -23,7 +23,7 @@ static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
     smr_row_keep_structure(p, v, row);
 }
 
-/* Sorts the vertices into p->item[n] by |xi|, the largest first, ties by number. */
+/* Sorts the vertices into p->item[n] by size |xi| of their one-ring, the largest first, ties by number. */
 static void sort_seeds(smr_plan *p, float s_min, uint64_t *row)
 {
     for (uint32_t v = 0; v < p->n; v++) {
@@ -59,7 +59,7 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
     memset(p->entry, 0xff, p->n * sizeof *p->entry); /* UINT32_MAX: the vertex is not in L yet */
     smr_list_block(l);
     while (head < p->n) {
-        if (head == tail) { /* the next seed: a root, summed directly */
+        if (head == tail) { /* the queue is empty: the next seed is a root, summed directly */
             while (p->entry[p->item[seed]] != UINT32_MAX)
                 seed++;
             const uint32_t v = p->item[seed];

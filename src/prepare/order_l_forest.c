@@ -8,18 +8,18 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "prepare/prepare_plan.h"
 
-/* A block, as the argument of parallel loops. Each task writes only the results of its own chunk. */
+/* A block of vertices, as the argument of parallel loops, whose tasks write only the results of their own chunks. */
 typedef struct block {
     smr_plan *p;
     uint32_t first, last; /* vertices first .. last-1 along the curve */
     float radius;         /* radius of the clusters, mm */
-    uint32_t n_edges;     /* candidate edges */
+    uint32_t n_edges;     /* number of candidate edges of the forest */
 } block;
 
-#define SMR_VERTEX_CHUNK 32u /* vertices of a task */
-#define SMR_EDGE_CHUNK 512u  /* edges of a task */
+#define SMR_VERTEX_CHUNK 32u /* number of vertices that a task processes */
+#define SMR_EDGE_CHUNK 512u  /* number of edges that a task processes */
 
-/* Fills the rows and counts of the clusters of a chunk, and nearest[] unless it is known from the radius before. */
+/* Fills rows and counts of a chunk's clusters, and nearest[] unless nearest[] is known from the previous radius. */
 static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const block *b = arg;
@@ -82,7 +82,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     return unique;
 }
 
-/* Writes the edges of the minimum spanning tree over block and root (number `size`) to p->tmp. Returns their number. */
+/* Writes the edges of the minimum spanning tree over block and virtual root (number `size`) to tmp. Returns a count. */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};
@@ -109,7 +109,7 @@ static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32
     return kept;
 }
 
-/* Lists the neighbours of vertex v in the spanning tree in link[], from link_start[v] on. kept: tree edges in tmp. */
+/* Lists each vertex' neighbours in the spanning tree in link[], from link_start[v] on. kept: number of edges in tmp. */
 static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
 {
     memset(p->forest.link_start, 0, ((size_t)size + 2u) * sizeof(uint32_t));

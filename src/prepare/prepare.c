@@ -6,7 +6,7 @@
 #include "image/intensity_profile.h"
 #include "prepare/prepare_plan.h"
 
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* most bytes of a block's rows, unless block_vertices is set */
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* most bytes of rows of bits in a block, unless block_vertices is set */
 #define SMR_BLOCK_MIN 64u                     /* smallest default block, vertices */
 #define SMR_BLOCK_MAX 2048u                   /* largest default block, vertices */
 
@@ -147,7 +147,7 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* Returns the radius, mm, below which clusters hold one structure; for images, which blur sliding, just the finest. */
+/* Returns the radius, mm, below which clusters hold one structure only; for images it is just above the finest one. */
 static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
 {
     float largest = 0.0f, finest = SMR_FAR;
@@ -162,7 +162,7 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* Checks all arguments of smr_prepare(), and starts the arena on the scratch memory. */
+/* Checks all arguments of smr_prepare(), and starts the arena a on the scratch memory. */
 static smr_status check_inputs(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                                void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
 {
@@ -186,7 +186,7 @@ static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
         n_radii = smr_choose_radii(p, radius);
     const float below = separate_below(p->config, radius, n_radii);
     p->progress_total = n_radii * (p->config->order == SMR_ORDER_FOREST ? smr_ceil_div(p->n, p->block_size) : 1u);
-    const int empty = w->model == NULL || !p->config->priority; /* the model's size does not depend on the order */
+    const int empty = w->model == NULL || !p->config->priority; /* S stays empty: the model's size does not need S */
     SMR_TRY(smr_plan_priority(p, radius, n_radii, below, empty));
     smr_plan_levels(p, n_radii);
     return smr_write_model(p, w, radius, n_radii, below);

@@ -14,101 +14,101 @@
 #define SMR_NEIGHBOURS_TRIED 16u /* largest number of mesh neighbours tried as parents */
 #define SMR_REMAINS UINT32_MAX   /* place of a vertex outside the priority list S, which is never ignored */
 
-/* The priority list S (priority_list.c). */
+/* The priority list S of vertices that can be ignored, and scratch for computing S (priority_list.c). */
 typedef struct smr_priority {
-    uint32_t n_listed;  /* vertices in S */
+    uint32_t n_listed;  /* number of vertices in S */
     uint32_t *list;     /* [n_listed] S: vertices, the least significant first */
     uint32_t *place;    /* [n] index of each vertex in S, or SMR_REMAINS */
-    uint32_t *witness;  /* [n] scratch: the cluster in which m_i of each vertex was found */
+    uint32_t *witness;  /* [n] scratch: the vertex in whose cluster m_i of each vertex was found */
     uint32_t *next;     /* [n] scratch: next vertex in the same bucket */
     uint32_t *bucket;   /* [n + 1] scratch: first vertex of each bucket of equal m_i */
-    uint32_t n_scanned; /* clusters computed so far, for the progress callback */
+    uint32_t n_scanned; /* number of clusters computed so far, for the progress callback */
 } smr_priority;
 
 /* Scratch of the forest of one block (order_l_forest.c). Numbers count from the block's first vertex. */
 typedef struct smr_forest {
-    uint32_t nearest_kind; /* clusters that nearest[] belongs to: 0 none yet, 1 shared, 2 separate */
+    uint32_t nearest_kind; /* clusters for which nearest[] was found: 0 none yet, 1 shared, 2 separate */
     uint32_t *nearest;     /* [n][SMR_NEAREST] nearest vertices within the vertex' block, SMR_NONE behind the last */
     uint32_t *edge_a, *edge_b; /* [pairs] both ends of the candidate edges of the spanning tree */
-    uint32_t *parent;          /* [block_size + 1] union-find, then the parent of each vertex */
-    uint32_t *link_start;      /* [block_size + 2] first link of each vertex */
-    uint32_t *link;            /* [2 (block_size + 1)] ends of tree edges */
+    uint32_t *parent;          /* [block_size + 1] parent of each vertex in the union-find, then in the tree */
+    uint32_t *link_start;      /* [block_size + 2] index in link[] of each vertex' first neighbour */
+    uint32_t *link;            /* [2 (block_size + 1)] neighbours of each vertex in the spanning tree */
 } smr_forest;
 
 typedef struct smr_plan {
     const smr_structure *structures;
     const smr_prepare_config *config;
     uint32_t n_structures;
-    uint32_t n, nt;          /* vertices and triangles of all structures */
-    uint32_t block_size;     /* most vertices in a block, a part of the order L with a forest of its own */
-    uint32_t words;          /* 64-bit words of a row of n bits */
-    uint32_t n_rows;         /* rows available at once */
-    uint32_t separate;       /* 1: a cluster of the present radius contains vertices of one structure only */
-    smr_port port;           /* parallel loops over a block; empty for geodesic clusters, which share scratch */
-    uint32_t failed;         /* 1: the port has broken its contract */
+    uint32_t n, nt;          /* number of vertices, and of triangles, of all structures */
+    uint32_t block_size;     /* largest number of vertices in a block, a part of the order L with its own forest */
+    uint32_t words;          /* number of 64-bit words that n bits fill: length of a row of bits */
+    uint32_t n_rows;         /* number of rows of bits in row[] */
+    uint32_t separate;       /* 1: each cluster of the current radius contains vertices of one structure only */
+    smr_port port;           /* runs loops over a block; empty for geodesic clusters, which share scratch */
+    uint32_t failed;         /* 1: the port has not run all tasks of a loop */
     float centre[3];         /* mm, whole numbers: origin of rest positions */
-    float edge_mm, edge_max; /* mean and longest edge, mm */
+    float edge_mm, edge_max; /* mean and largest length of mesh edges, mm */
 
     /* written by smr_plan_order(), smr_plan_neighbours() and smr_plan_mass(): the model along the curve */
     float *xyz;                /* [n][3] rest positions, mm from centre */
-    float *mass;               /* [n] masses m_i, 1 on average */
+    float *mass;               /* [n] masses m_i of the vertices, about 1 on average */
     uint16_t *owner;           /* [n] structure of each vertex */
-    uint32_t *position;        /* [n] caller's vertex -> vertex along the curve */
-    uint32_t *original;        /* [n] vertex along the curve -> caller's vertex */
-    uint32_t *triangle;        /* [nt][3] vertices; structures in a row, each in tree order */
+    uint32_t *position;        /* [n] number along the curve of each caller's vertex */
+    uint32_t *original;        /* [n] caller's vertex of each vertex along the curve */
+    uint32_t *triangle;        /* [nt][3] vertices along the curve; structures in a row, each in tree order */
     uint32_t *triangle_index;  /* [nt] the caller's index of each triangle within its structure */
-    uint32_t *neighbour_start; /* [n + 1] first mesh neighbour of each vertex */
-    uint32_t *neighbour;       /* [6 nt] mesh neighbours of each vertex, ascending */
+    uint32_t *neighbour_start; /* [n + 1] index in neighbour[] of each vertex' first mesh neighbour */
+    uint32_t *neighbour;       /* [6 nt] mesh neighbours of each vertex, vertex after vertex, ascending */
     smr_box_tree points;       /* box tree whose leaves are single vertices */
 
     /* written by smr_plan_dihedrals() and smr_plan_profiles() */
     uint32_t n_dihedrals;
     smr_stored_dihedral *dihedral; /* [3 nt / 2] edges of exactly two triangles, see model.h */
     uint8_t *profile;              /* [n][profile_samples] packed reference profiles; NULL without a reference image */
-    float *range;                  /* [n][2] low and range of each profile */
+    float *range;                  /* [n][2] lowest value and range of each profile */
     float *normal;                 /* [n][3] unit vertex normals */
 
     /* written by smr_plan_priority() */
     smr_priority priority;
     uint32_t active_min[SMR_RADII_MAX]; /* fewest active vertices that keep clusters large enough at each radius */
-    uint32_t progress_total;            /* total number of steps that the progress callback gets */
+    uint32_t progress_total;            /* total number of steps that the progress callback is given */
 
-    /* written by smr_plan_levels(): the stored order */
+    /* written by smr_plan_levels(): the order in which the model stores its vertices */
     uint32_t n_levels;
     uint32_t level_end[SMR_LEVELS_MAX]; /* number of vertices in each level and all levels before it */
-    uint32_t *stored;                   /* [n] vertex along the curve -> stored vertex */
-    uint32_t *along;                    /* [n] stored vertex -> vertex along the curve */
+    uint32_t *stored;                   /* [n] stored vertex of each vertex along the curve */
+    uint32_t *along;                    /* [n] vertex along the curve of each stored vertex */
     uint32_t *level;                    /* [n] level of each vertex along the curve; the memory of priority.next */
 
     /* written for each radius */
-    uint64_t *row;       /* [n_rows][words + 1] rows of bits, see smr_plan_row() */
-    uint32_t *count;     /* [n] |zeta_i| */
-    uint32_t *entry;     /* [n] number of each vertex' entry within its block */
-    uint32_t *n_outside; /* [n] boundary vertices outside each cluster; the memory of entry */
+    uint64_t *row;       /* [n_rows][words + 1] rows of bits: sets of vertices, see smr_plan_row() */
+    uint32_t *count;     /* [n] |zeta_i|, the number of vertices in each cluster */
+    uint32_t *entry;     /* [n] number of each vertex' entry of L within the vertex' block */
+    uint32_t *n_outside; /* [n] number of boundary vertices beyond the radius of each cluster; the memory of entry */
     uint32_t *member;    /* [n] vertices of the list being written; the memory of priority.witness */
 
     /* scratch */
     smr_forest forest;
-    float *triangle_centre; /* [nt][3] */
+    float *triangle_centre; /* [nt][3] centres of triangles, times 3, mm */
     uint32_t *key;          /* [max(n, 6 nt, pairs)] sort keys */
-    uint32_t *item;         /* [max(n, 6 nt, pairs)] sorted items */
-    uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] for smr_curve_sort() */
-    uint32_t *queue;        /* [n + 1] vertices still to visit */
-    uint32_t *geo_distance; /* [n] micrometres, UINT32_MAX between calls; NULL unless distances are geodesic */
-    uint64_t *geo_heap;     /* [6 nt + 1] distance (micrometres) and vertex; NULL unless distances are geodesic */
+    uint32_t *item;         /* [max(n, 6 nt, pairs)] what is sorted by key[] */
+    uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] scratch of sorts; kept edges of the spanning tree */
+    uint32_t *queue;        /* [n + 1] vertices still to visit, breadth first */
+    uint32_t *geo_distance; /* [n] path lengths, micrometres, UINT32_MAX between searches; NULL: Euclidean distances */
+    uint64_t *geo_heap;     /* [6 nt + 1] heap of path length (micrometres) and vertex; NULL: Euclidean distances */
 } smr_plan;
 
-/* Sets counts and sizes; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */
+/* Sets counts and sizes of the plan; reads no vertex or triangle. Errors: E_NULL, E_INPUT, E_CONFIG. */
 smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config);
-/* Takes all arrays from the arena, or measures them. Needs smr_plan_start(). */
+/* Takes all arrays of the plan from the arena, or measures them. smr_plan_start() must have set their sizes. */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
-/* The stages, in this order; each writes the fields that smr_plan names. */
-void smr_plan_order(smr_plan *p);          /* curve_numbering.c */
-void smr_plan_neighbours(smr_plan *p);     /* mesh_measures.c */
-void smr_plan_mass(smr_plan *p);           /* mesh_measures.c */
-void smr_plan_dihedrals(smr_plan *p);      /* fold_dihedrals_prepare.c */
-smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors as smr_grid_open() */
+/* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
+void smr_plan_order(smr_plan *p);          /* numbers vertices and triangles: curve_numbering.c */
+void smr_plan_neighbours(smr_plan *p);     /* lists mesh neighbours: mesh_measures.c */
+void smr_plan_mass(smr_plan *p);           /* computes masses: mesh_measures.c */
+void smr_plan_dihedrals(smr_plan *p);      /* lists edges of two triangles: fold_dihedrals_prepare.c */
+smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors: those of smr_grid_open() */
 /* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
@@ -133,14 +133,14 @@ static inline void smr_row_cover(uint64_t *row, uint32_t words, uint32_t first, 
     row[words] = (uint64_t)last << 32 | first;
 }
 
-/* Adds the vertex `bit` to the row. */
+/* Adds the vertex with number `bit` to the row. */
 static inline void smr_row_set(uint64_t *row, uint32_t words, uint32_t bit)
 {
     row[bit / 64u] |= (uint64_t)1 << (bit % 64u);
     smr_row_cover(row, words, bit / 64u, bit / 64u + 1u);
 }
 
-/* Empties the row. */
+/* Removes all vertices from the row. */
 static inline void smr_row_clear(uint64_t *row, uint32_t words)
 {
     for (uint32_t w = smr_row_first(row, words); w < smr_row_last(row, words); w++)
@@ -148,17 +148,17 @@ static inline void smr_row_clear(uint64_t *row, uint32_t words)
     row[words] = words;
 }
 
-/* Return the number of vertices in the row, |zeta|, and in exactly one of the rows a and b, |zeta+| + |zeta-|. */
+/* Return the number of vertices in the row (count), or in exactly one of the rows a and b (difference_count). */
 uint32_t smr_row_count(const uint64_t *row, uint32_t words);
 uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t words);
 
-/* Row i of the plan's n_rows rows of bits. */
+/* Returns row i of the plan's n_rows rows of bits. */
 static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * (p->words + 1u); }
 
 /* Returns 1 when clusters of the radius `mm` also hold the mesh neighbours of their vertex. */
 static inline int smr_holds_neighbours(const smr_plan *p, float mm) { return p->config->ring && mm >= p->edge_mm; }
 
-/* Fill the row with the cluster zeta_v at this radius; with the vertices of all structures in the ball around v. */
+/* cluster: fills the row with the cluster zeta_v of this radius, mm; ball: with all vertices in the ball around v. */
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
@@ -176,7 +176,7 @@ static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
     return p->separate && i != k && p->structures[i].mesh.n_triangles > 0u && p->structures[k].mesh.n_triangles > 0u;
 }
 
-/* Removes from the row all vertices that cannot be in the cluster of v. */
+/* Removes from the row the vertices of structures that are kept apart from v (smr_kept_apart). */
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row);
 
 /* Finds the k <= SMR_NEAREST vertices found[k] nearest to v among first .. last-1, without v and vertices kept apart
@@ -190,12 +190,12 @@ typedef struct smr_writer {
     size_t capacity, used; /* size of the memory at model, bytes; bytes written or counted so far */
 } smr_writer;
 
-/* Write a little-endian number at offset `at`. */
+/* Write a little-endian number of 2 or 4 bytes at offset `at` of the model. */
 void smr_put16(smr_writer *w, size_t at, uint32_t value);
 void smr_put32(smr_writer *w, size_t at, uint32_t value);
-/* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns its offset. */
+/* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns the section's offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
-/* Writes the whole model but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
+/* Writes the whole model except the checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
 
 /* The lists of one radius being written: the order L with parents, zeta+ and zeta-, in stored vertex numbers. */
@@ -203,10 +203,10 @@ typedef struct smr_list_writer {
     smr_writer *w;
     uint32_t index_bytes;                                            /* 2 or 4: width of an index */
     size_t at_blocks, at_entries, at_count, at_indexes, at_boundary; /* offsets of the sections */
-    uint32_t n_blocks;                                               /* blocks begun so far */
-    uint32_t n_entries;                                              /* entries of L so far */
+    uint32_t n_blocks;                                               /* number of blocks begun so far */
+    uint32_t n_entries;                                              /* number of entries of L so far */
     uint32_t n_indexes;                                              /* indexes in all zeta+ and zeta- so far */
-    uint64_t n_boundary;                                             /* boundary pairs so far */
+    uint64_t n_boundary;                                             /* number of boundary pairs so far */
     uint64_t n_members;                                              /* sum of |zeta| so far */
     uint32_t largest, smallest;                                      /* |zeta| of the largest and smallest cluster */
 } smr_list_writer;

@@ -36,7 +36,7 @@ static void change_counts(smr_plan *p, const uint64_t *row, uint32_t change)
     }
 }
 
-/* Computes p->count[j], |zeta_j| without the vertices in S. */
+/* Computes p->count[j], the number of vertices of zeta_j that are not in S. */
 static smr_status count_remaining(smr_plan *p, float radius)
 {
     memset(p->count, 0, p->n * sizeof *p->count);
@@ -64,7 +64,7 @@ static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
     return first;
 }
 
-/* Takes vertices off S where clusters of this radius would keep fewer than SMR_KEPT: S holds for finer radii only. */
+/* Takes vertices off S until each cluster of this radius, mm, has SMR_KEPT or all of its vertices outside S. */
 static smr_status restore(smr_plan *p, float radius)
 {
     for (uint32_t i = 0; p->priority.n_listed > 0u && i < p->n; i++) {
@@ -87,7 +87,7 @@ static smr_status restore(smr_plan *p, float radius)
     return SMR_OK;
 }
 
-/* Puts v into bucket m, unless v may not be ignored. */
+/* Puts vertex v into bucket m, unless m is SMR_KEPT or less: v must then stay active. */
 static void put_in_bucket(smr_plan *p, uint32_t v, uint32_t m)
 {
     if (m <= SMR_KEPT)
@@ -116,7 +116,7 @@ static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
     return p->count[p->priority.witness[v]];
 }
 
-/* Computes m_v and its witness; row 0 then holds zeta_v. Returns m_v. */
+/* Returns m_v, the smallest |zeta_j| of all j in zeta_v, and makes that j the witness of v. Row 0 then holds zeta_v. */
 static uint32_t scan(smr_plan *p, uint32_t v, float radius)
 {
     uint64_t *const row = smr_plan_row(p, 0);
@@ -176,7 +176,7 @@ static uint32_t fill_buckets(smr_plan *p)
     return most;
 }
 
-/* Runs the paper's rule at one radius among the vertices that are not in S yet. */
+/* Moves vertices that are not in S yet into S, by the paper's rule at one radius. */
 static smr_status discard(smr_plan *p, float radius)
 {
     for (uint32_t m = fill_buckets(p); m > SMR_KEPT; m--) {
@@ -244,7 +244,7 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
     return SMR_OK;
 }
 
-#define SMR_LEVEL_EIGHTHS 16u /* a level and all levels before it hold 16/8 as many vertices as the levels before it */
+#define SMR_LEVEL_EIGHTHS 16u /* each level ends at 16/8 times the number of vertices where the level before ends */
 
 /* Sets n_levels and level_end: levels end at each of need[n] (ascending), and in between while there is room. */
 static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
@@ -292,7 +292,7 @@ void smr_plan_levels(smr_plan *p, uint32_t n_radii)
         p->key[v] = p->level[v] = level;
         p->along[v] = v;
     }
-    smr_curve_sort(p->key, p->along, p->tmp, p->n); /* by level; stable, so along the curve within a level */
+    smr_curve_sort(p->key, p->along, p->tmp, p->n); /* sorts by level; stable: a level follows the curve */
     for (uint32_t v = 0; v < p->n; v++)
         p->stored[p->along[v]] = v;
 }
