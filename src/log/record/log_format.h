@@ -25,7 +25,7 @@ enum {
 #define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header without budget_exact */
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
 
-/* Words of this configuration. */
+/* Returns the number of 32-bit words that this configuration takes in a log or a save. */
 static inline uint32_t smr_log_config_words(const smr_config *config)
 {
     return (uint32_t)SMR_LOG_CONFIG_WORDS + (config->basic.budget_exact ? (uint32_t)SMR_LOG_EXACT_WORDS : 0u);
