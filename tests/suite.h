@@ -1,6 +1,5 @@
 /* suite.h: what a test program is made of: tests that register themselves, and one end of each. A program defines
- * TEST(name) { ... } as often as it likes and ends with
- *     int main(void) { return suite_run(NULL, NULL); }
+ * TEST(name) { ... } as often as it likes, and no main() unless something is to be set up: suite_main.c has one.
  * After each test all memory of the rig is given back.
  * SPDX-License-Identifier: MIT */
 #ifndef SUITE_H
@@ -37,7 +36,8 @@ static inline int suite_free(void **state)
 
 /* set_up, tear_down: once for the whole program, or NULL; memory of the rig then lives until tear_down. Returns how
  * many tests failed. */
-static inline int suite_run(CMFixtureFunction set_up, CMFixtureFunction tear_down)
+int suite_run(CMFixtureFunction set_up, CMFixtureFunction tear_down);
+int suite_run(CMFixtureFunction set_up, CMFixtureFunction tear_down)
 {
     for (size_t i = 0; i < suite_count && set_up == NULL; i++)
         suite_test[i].teardown_func = suite_free;

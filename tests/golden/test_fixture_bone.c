@@ -125,9 +125,8 @@ TEST(test_refuses_small_buffers)
 {
     fixture_mesh m = test_mesh(0);
     fixture_grid grid = fixture_grid_source(8000u);
-    uint32_t need;
     assert_int_equal(1, fixture_bone_source(&grid, &m, test_scratch, test_words));
-    need = m.n_vertices;
+    uint32_t need = m.n_vertices;
     m.max_vertices = need - 1;
     assert_int_equal(0, fixture_bone_source(&grid, &m, test_scratch, test_words));
     m.max_vertices = need;
@@ -141,5 +140,3 @@ TEST(test_refuses_small_buffers)
     grid.cell_um = FIXTURE_CELL_MAX + 1u;
     assert_int_equal(0, fixture_bone_source(&grid, &m, test_scratch, test_words));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

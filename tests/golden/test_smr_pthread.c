@@ -47,9 +47,8 @@ TEST(test_each_task_once)
     static const uint32_t counts[] = {1, 2, 3, 4, 8, 64};
     for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
         smr_pthread *pool = NULL;
-        smr_port port;
         assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, counts[c]));
-        port = smr_pthread_port(pool);
+        smr_port port = smr_pthread_port(pool);
         assert_int_equal(counts[c], port.n_workers);
         for (uint32_t n = 0; n <= TEST_TASKS; n += n < 10 ? 1 : 29)
             run_loop(&port, n);
@@ -62,11 +61,9 @@ TEST(test_each_task_once)
 TEST(test_clock_goes_forward)
 {
     smr_pthread *pool = NULL;
-    smr_port port;
-    uint64_t last;
     assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, 2));
-    port = smr_pthread_port(pool);
-    last = port.now_ns(port.ctx);
+    smr_port port = smr_pthread_port(pool);
+    uint64_t last = port.now_ns(port.ctx);
     for (int i = 0; i < 1000; i++) {
         uint64_t now = port.now_ns(port.ctx);
         assert_true(now >= last);
@@ -97,5 +94,3 @@ TEST(test_edges)
     smr_pthread_destroy(pool);
     smr_pthread_destroy(NULL);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

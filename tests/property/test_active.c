@@ -362,5 +362,3 @@ TEST(test_any_share_same_bits)
         rig_free_all();
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

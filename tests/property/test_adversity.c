@@ -250,5 +250,3 @@ TEST(test_many_runs)
     assert_true(asked > RUNS / 10u);
     assert_true(cut > RUNS / 2u && partial > RUNS); /* the clocks meant something */
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -273,5 +273,3 @@ TEST(test_one_side)
     if (found == 0u)
         skip();
 }
-
-int main(void) { return suite_run(NULL, NULL); }

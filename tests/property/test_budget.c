@@ -209,5 +209,3 @@ TEST(test_start_over_in_the_middle)
         assert_memory_equal(plain[4], rig_positions(s, model), bytes);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -144,5 +144,3 @@ TEST(test_combinations)
         print_message("%u of %u combinations are legal\n", legal, (uint32_t)COMBINATIONS);
     assert_true(legal > COMBINATIONS / 2u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

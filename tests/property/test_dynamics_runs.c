@@ -183,5 +183,3 @@ TEST(test_saves)
         same(last, twin);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

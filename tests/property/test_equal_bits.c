@@ -73,5 +73,3 @@ TEST(test_workers_and_schedulers)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -256,5 +256,3 @@ TEST(test_moved_inputs)
         assert_true(lie < 0.01f && lie < 1.5f * linear + 2.0e-4f);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -397,5 +397,3 @@ TEST(test_refuses_what_is_no_model)
     assert_int_equal(SMR_E_MODEL, smr_arena_bytes((const smr_model *)((const char *)model + 4), &config, &bytes));
     assert_true(s == NULL && bytes == 0u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -145,9 +145,8 @@ TEST(test_growth_replays)
 TEST(test_each_is_set_again)
 {
     set_up();
-    smr_config config;
     begin_run(7);
-    config = rig_cloud_config(&r.seed);
+    smr_config config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
     for (uint32_t k = 0; k < CLOUDS; k++) {
         add(r.cloud[k], &(point){{22, 0, 0}, {1, 0, 0}, 1});
@@ -170,9 +169,8 @@ TEST(test_another_cloud_is_told)
     smr_replay again;
     smr_replay_report report;
     smr_log_state log;
-    smr_config config;
     begin_run(3);
-    config = rig_cloud_config(&r.seed);
+    smr_config config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
     add(r.cloud[0], &(point){{22, 0, 0}, {1, 0, 0}, 1});
@@ -380,5 +378,3 @@ TEST(test_moved_inputs)
         print_message("%u vertices, moved inputs: %.4f mm apart\n", bone.n_vertices, (double)apart);
     assert_true(apart < 0.002f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

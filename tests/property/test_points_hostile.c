@@ -216,5 +216,3 @@ TEST(test_nearest_point)
     smr_config c = smr_config_default();
     assert_int_equal(SMR_E_STATE, smr_set_surface(rig_init(model, &c, NULL), 0, surface));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -320,5 +320,3 @@ static void without_momentum(CMUnitTestFunction test)
 
 TEST(test_translation_without_momentum) { without_momentum(test_translation); }
 TEST(test_order_without_momentum) { without_momentum(test_order_of_inputs); }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -164,5 +164,3 @@ TEST(test_attraction_switched_off)
     assert_int_equal(bytes[0], bytes[1]);
     assert_true(report[0].state_hash == report[1].state_hash && report[1].details.attraction_used == 0.0f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -273,5 +273,3 @@ TEST(test_last_surface_goes_before_the_end)
     assert_int_equal(1, report.done); /* the iteration after it had no target and ended the schedule */
     replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

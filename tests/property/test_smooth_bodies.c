@@ -245,5 +245,3 @@ TEST(sheets_keep_to_borders)
         rig_free_all();
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -264,5 +264,3 @@ TEST(test_random_configurations)
         rig_free_all();
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -223,5 +223,3 @@ TEST(test_final_sums_fit)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -211,5 +211,3 @@ TEST(moved_inputs)
         unit_mesh_free(&found);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -125,5 +125,3 @@ TEST(refuses)
     assert_memory_equal(&pose, &before, sizeof pose);
     assert_int_equal(smr_align_landmarks(p.from[0], p.to[0], 4, 0, &pose, NULL), SMR_OK);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -179,5 +179,3 @@ TEST(degenerate_surfaces)
         unit_mesh_free(&m);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

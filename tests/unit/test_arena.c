@@ -126,5 +126,3 @@ TEST(red_zones_follow_slots)
     skip(); /* only with the address sanitiser */
 #endif
 }
-
-int main(void) { return suite_run(NULL, NULL); }

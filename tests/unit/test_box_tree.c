@@ -122,5 +122,3 @@ TEST(points_that_are_nowhere)
         assert_true(hit.triangle == SMR_NONE && hit.d2 == 3600.0f);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -98,5 +98,3 @@ TEST(near_ones_end_where_room_or_budget_do)
     }
     assert_true(full > 100u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

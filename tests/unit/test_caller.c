@@ -222,5 +222,3 @@ typedef struct inputs {
     smr_goals goals;
     smr_caller_force force;
 } inputs;
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -169,5 +169,3 @@ TEST(test_target_points_attract_nothing)
     const uint64_t plain = smr_state_hash(run(&bone, 1, &goal, more.n_vertices, &model));
     assert_true(plain == smr_state_hash(run(&bone, 1, &more, more.n_vertices, &model)));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

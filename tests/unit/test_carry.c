@@ -163,7 +163,6 @@ TEST(any_order_gives_the_same_bits)
     unit_mesh m = unit_sphere(3, 40.0f, 0.0f), now = unit_sphere(3, 40.0f, 0.0f);
     float points[3 * POINTS], a[3 * POINTS], c[3 * POINTS];
     size_t bytes = 0;
-    void *memory;
     smr_carry *carry = NULL;
     random_points(&r, 60.0f, POINTS, points);
     map_all(bend, m.xyz, m.nv, now.xyz);
@@ -177,7 +176,7 @@ TEST(any_order_gives_the_same_bits)
         assert_memory_equal(a, c, sizeof a);
     }
     assert_int_equal(smr_carry_bytes(m.nv, POINTS, 3, &bytes), SMR_OK);
-    memory = rig_rough(bytes);
+    void *memory = rig_rough(bytes);
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, points, POINTS, &bad, memory, bytes, &carry), SMR_E_STATE);
     assert_null(carry);
     worker = 2;
@@ -334,5 +333,3 @@ TEST(memory_is_as_stated)
     assert_true(fabs((double)(points - one) / 1.0e3 - 432.0) < 1.0);
     assert_int_equal(workers - one, 13312);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

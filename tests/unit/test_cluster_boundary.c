@@ -125,5 +125,3 @@ TEST(test_forged_pairs)
         assert_true(rig_finite(rig_positions(s, m.model), m.n));
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -131,5 +131,3 @@ TEST(clusters_have_a_limit)
     assert_in_range(many.largest_cluster[0], 1300, 1800);
     assert_true(many.radius_mm[0] < 55.0f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

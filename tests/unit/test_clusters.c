@@ -90,5 +90,3 @@ TEST(two_structures_all_switches)
         unit_image_free(&image);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

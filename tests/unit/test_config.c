@@ -124,5 +124,3 @@ TEST(test_radii_in_order)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

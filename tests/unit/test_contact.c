@@ -359,5 +359,3 @@ TEST(test_saved)
     saved[bytes / 2u] ^= 1u;
     assert_int_equal(SMR_E_SAVE, smr_restore(model, NULL, NULL, saved, bytes, rig_alloc(arena), arena, &again));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

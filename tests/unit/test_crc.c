@@ -47,5 +47,3 @@ TEST(little_endian_helpers)
     assert_true(smr_le_float(smr_le32(smr_float_bits(-1.25f))) == -1.25f);
     assert_int_equal(smr_float_bits(1.0f), 0x3f800000);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -120,5 +120,3 @@ TEST(long_names_are_cut)
         name[length] = 'x';
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -237,5 +237,3 @@ TEST(test_drawn)
     rig_steps(s, 60);
     assert_true(rig_far(rig_positions(s, e.model), goal, e.n) < 0.05f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -194,5 +194,3 @@ TEST(test_unfolds)
     sharpen(-0.05f, -0.1f, 1, &before, &after, &moved); /* they looked away from each other at rest */
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -157,5 +157,3 @@ TEST(test_outliers)
     assert_true(t.s->forces.totals.n_rejected > 0u && t.s->forces.totals.n_rejected < t.s->shared.n / 4u);
     assert_true(t.s->forces.totals.max <= limit);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

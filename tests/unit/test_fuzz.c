@@ -187,5 +187,3 @@ TEST(saves)
     assert_true(restored > 50u);
     rig_free_all();
 }
-
-int main(void) { return suite_run(NULL, NULL); }

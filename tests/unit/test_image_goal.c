@@ -210,5 +210,3 @@ TEST(test_half_in_image)
         assert_true((v.reasons & SMR_REASON_GOALS) == 0u);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

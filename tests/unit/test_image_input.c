@@ -175,5 +175,3 @@ TEST(test_abandoned)
     }
     assert_true(n_partial > 5u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

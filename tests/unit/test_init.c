@@ -60,5 +60,3 @@ TEST(test_copies)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 1000, NULL)); /* no clock: the budget means nothing */
 }
-
-int main(void) { return suite_run(NULL, NULL); }

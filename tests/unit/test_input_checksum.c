@@ -81,5 +81,3 @@ TEST(test_volumes)
         assert_true(smr_volume_checksum(&v) != sum);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -84,5 +84,3 @@ TEST(test_mirrored_volume)
     assert_int_equal(SMR_OK, smr_get_structure_volume(s, 0, &volume));
     assert_true(volume.closed && volume.ratio > 0.999f && volume.ratio < 1.001f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -281,5 +281,3 @@ TEST(test_ranges)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -208,5 +208,3 @@ TEST(test_few)
     assert_true(verdict.expected_error_mm < 0.0f && verdict.level == SMR_VERDICT_LOOK);
     assert_true((verdict.reasons & SMR_REASON_LITTLE_VISIBLE) != 0u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -206,5 +206,3 @@ TEST(test_asking)
     twin->next_task = 1; /* an iteration is under way */
     assert_int_equal(SMR_E_STATE, smr_get_local_volume(twin, 0, 0, ratio));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

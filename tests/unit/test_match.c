@@ -116,5 +116,3 @@ TEST(test_always_a_rotation)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -173,5 +173,3 @@ TEST(test_search_that_ends)
     is_unmeasured(&r);
     assert_true(r.details.matched_share == -1.0f && part_of(s, 0).matched_share == -1.0f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -109,5 +109,3 @@ TEST(vertices_without_area)
         assert_true(area[i] == 0.0f);
     smr_mesh_normals(&m, normal, NULL);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

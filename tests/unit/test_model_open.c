@@ -269,5 +269,3 @@ TEST(views_refuse_politely)
     assert_int_equal(info.n_vertices, w.a.nv + w.b.nv);
     assert_int_equal(info.n_triangles, w.a.nt + w.b.nt);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

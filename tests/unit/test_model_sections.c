@@ -140,5 +140,3 @@ TEST(any_byte_of_the_table)
     }
     assert_true(opened > 20u); /* other kinds, shorter sections */
 }
-
-int main(void) { return suite_run(NULL, NULL); }

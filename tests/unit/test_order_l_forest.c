@@ -98,5 +98,3 @@ TEST(forest_breadth_and_direct_agree)
         unit_mesh_free(&b);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

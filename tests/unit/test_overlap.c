@@ -69,5 +69,3 @@ TEST(which_targets_are_partial)
         assert_true((s->forces.surface.target[0].n_visible > 9u * ball.n_vertices / 10u) == (k != 1u));
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

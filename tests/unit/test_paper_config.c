@@ -183,5 +183,3 @@ TEST(test_registers)
         worst = fmax(worst, fabs((double)smr_length(smr_load(x + 3u * v)) - (double)RADIUS));
     assert_true(worst < 0.5);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

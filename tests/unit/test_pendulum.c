@@ -241,5 +241,3 @@ TEST(test_clusters)
     e.config.track.radius_mm = 60.0f;
     slows_down(&p, 1, 20.0f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

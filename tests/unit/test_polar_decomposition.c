@@ -132,5 +132,3 @@ TEST(defined_answers)
     assert_true(oracle_within("polar: rank 1 takes a to b", worst, 2e-6));
     assert_true(oracle_within("polar: rank 1 by the shortest way", worst_angle, 2e-6));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

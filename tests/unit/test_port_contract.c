@@ -171,5 +171,3 @@ TEST(refuses_a_copied_arena)
     assert_true(smr_state_hash(copy) == 0u);
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -114,9 +114,8 @@ TEST(configurations_out_of_range)
 TEST(memory_to_the_byte)
 {
     bench b = set_up();
-    size_t bytes = 0;
     assert_int_equal(prepare(&b), SMR_OK);
-    bytes = 4711;
+    size_t bytes = 4711;
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes - 1u, b.image, b.image_bytes, &bytes),
                      SMR_E_ARENA);
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, 0, b.image, b.image_bytes, &bytes), SMR_E_ARENA);
@@ -328,5 +327,3 @@ TEST(odd_meshes_work)
     must_work(several, 4, target);
     must_work(several, 3, NULL);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

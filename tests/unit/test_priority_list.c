@@ -232,5 +232,3 @@ TEST(follows_the_rule)
     }
     assert_true(more > 0u && restored > 0u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -152,5 +152,3 @@ TEST(test_noise_of_a_surface)
             fail_msg("with noise of %g mm a radius of %g mm", (double)noise[i], sum);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

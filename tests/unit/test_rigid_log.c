@@ -135,5 +135,3 @@ TEST(test_mean_is_rigid_and_moves_along)
     assert_true(oracle_within("rigid, mm", worst, 1e-4));
     assert_true(oracle_within("moved, mm", worst_moved, 3e-4));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

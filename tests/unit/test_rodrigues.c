@@ -63,5 +63,3 @@ TEST(long_vectors)
     assert_true(oracle_within("rodrigues: long vectors", worst, 1e-6));
     assert_true(oracle_within("rodrigues: long vectors, rotation", worst_rotation, 1e-6));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -230,5 +230,3 @@ TEST(test_refused)
         memcpy(at, good, 4);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -92,10 +92,9 @@ TEST(test_first_radius_with_an_image)
 TEST(test_settles)
 {
     smr_config c = steady();
-    smr_tick_report report;
     c.motion.settle_um = 20.0f;
     smr *s = start(&c, 0, 0); /* nothing moves: one iteration for each radius */
-    report = rig_run(s, 100);
+    smr_tick_report report = rig_run(s, 100);
     assert_int_equal(3, report.iteration);
     assert_int_equal(1, report.done);
     assert_int_equal(0, report.converged); /* without forces nothing is */
@@ -178,5 +177,3 @@ TEST(test_radius_of_tracking)
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
         assert_int_equal(all[i].radius, tracks_at(all[i].n_structures, all[i].separate_below_mm, all[i].radius_mm));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -201,5 +201,3 @@ TEST(test_ranges)
         if (s[i].kind != SMR_SETTING_GROUP && s[i].kind != SMR_SETTING_POINTER)
             check_range(1, &s[i]);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -126,5 +126,3 @@ TEST(test_border)
     assert_float_equal(mean, 30.0f, 0.3f);
     assert_true(least < 1.0f + 2.0f); /* the lowest circle is still there */
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -114,5 +114,3 @@ TEST(test_ranges)
             assert_int_equal(all[i].status, smr_set_pose(s, &pose));
         }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -33,5 +33,3 @@ TEST(names)
     assert_string_equal(smr_status_name((smr_status)2), "SMR_E_UNKNOWN");
     assert_string_equal(smr_status_name((smr_status)-12), "SMR_E_UNKNOWN");
 }
-
-int main(void) { return suite_run(NULL, NULL); }

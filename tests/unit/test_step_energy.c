@@ -290,5 +290,3 @@ TEST(test_a_loose_one_flies_by)
     assert_true(alone > 80.0f);
     assert_true(fabsf(alone - beside) < 0.1f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -79,5 +79,3 @@ TEST(test_both_widths)
         assert_memory_equal(sum, s->sums.sum, n_words * sizeof *sum);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

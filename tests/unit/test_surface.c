@@ -77,10 +77,9 @@ TEST(query_refusals)
     unit_mesh m = unit_grid(2, 2, 2.0f);
     smr_surface *s = unit_surface(&m);
     float p[3] = {1, 1, 1}, n[3] = {0, 0, 1};
-    smr_closest hit;
     smr_closest mark;
     memset(&mark, 0x77, sizeof mark);
-    hit = mark;
+    smr_closest hit = mark;
     assert_int_equal(smr_surface_closest(NULL, p, NULL, 0, 1, &hit), SMR_E_NULL);
     assert_int_equal(smr_surface_closest(s, NULL, NULL, 0, 1, &hit), SMR_E_NULL);
     assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1, NULL), SMR_E_NULL);
@@ -218,5 +217,3 @@ TEST(the_macro_bounds_the_size)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

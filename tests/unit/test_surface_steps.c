@@ -166,5 +166,3 @@ TEST(test_ticks)
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

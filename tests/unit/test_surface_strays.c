@@ -184,5 +184,3 @@ TEST(samples_pass_scraps_by)
         }
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -73,5 +73,3 @@ TEST(test_where)
         assert_memory_equal(plain, even, sizeof plain);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -159,5 +159,3 @@ TEST(test_outside)
     t.middle.x = 17.5f;
     assert_true(length(found_way(&grid, &t)) > 0.0f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

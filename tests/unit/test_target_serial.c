@@ -342,5 +342,3 @@ TEST(test_noise_settles)
     print_message("%u ticks, %.3f mm; with at most 12: %.3f mm\n", (unsigned)most, (double)late, (double)soon);
     assert_true(most <= 12u && soon <= 1.05f * late);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

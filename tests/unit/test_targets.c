@@ -43,5 +43,3 @@ TEST(test_room)
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[0]));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -203,5 +203,3 @@ TEST(memory_is_exact)
         rig_free(memory);
     }
 }
-
-int main(void) { return suite_run(NULL, NULL); }

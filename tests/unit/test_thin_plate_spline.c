@@ -143,5 +143,3 @@ TEST(repeats_bit_for_bit)
         assert_int_equal(smr_warp_apply(w, q + 3 * i, 1), SMR_OK);
     assert_memory_equal(p, q, sizeof p);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -69,5 +69,3 @@ TEST(test_resumes_at_the_phase_it_says)
     assert_int_equal((1u << SMR_PHASES) - 1u, seen);
     assert_true(partial > 20u);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -215,5 +215,3 @@ TEST(test_set_active)
     assert_int_equal(SMR_OK, smr_tick(free_one, 1, &r)); /* no clock, no budget */
     assert_int_equal(free_one->shared.n, r.details.n_taken);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

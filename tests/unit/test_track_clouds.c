@@ -158,5 +158,3 @@ TEST(test_changes_are_seen_while_waiting)
     assert_int_equal(SMR_OK, smr_set_log(copy, log, sizeof log));
     assert_int_equal(SMR_E_STATE, smr_tick(copy, 0, NULL));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -99,5 +99,3 @@ TEST(test_restores_growth)
         (void)until_settled(run[i]);
     assert_true(run[0]->schedule.image_age == SMR_IMAGE_CURRENT && smr_state_hash(run[0]) == smr_state_hash(run[1]));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -158,5 +158,3 @@ TEST(test_starts_over)
     assert_int_equal(1, until_settled(s).details.tracking);
     assert_true(off_ball(s, &e, 1) < 0.8f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -206,5 +206,3 @@ TEST(test_jumps_with_its_side)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_true(report.details.jumped && rig_far(rig_positions(s, e.model), there.xyz, n) < 0.6f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

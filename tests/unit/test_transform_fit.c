@@ -173,5 +173,3 @@ TEST(degenerate_pairs_have_an_answer)
     }
     assert_true(oracle_within("fit: degenerate pairs, rotation", worst, 3e-6));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -89,5 +89,3 @@ TEST(points_of_the_triangle)
     }
     assert_true(oracle_within("triangle: its own points", worst, 2e-6));
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -315,5 +315,3 @@ TEST(short_waves_are_rough)
     assert_true(roughness_of(2000, 6) == 0.0f && roughness_of(400, 6) == 0.0f);
     assert_true(roughness_of(60, 6) > 0.0f && roughness_of(20, 6) > 0.0f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -408,5 +408,3 @@ TEST(test_reasons)
     assert_int_equal('\0', smr_reason_text(0)[0]);
     assert_int_equal('\0', smr_reason_text(3)[0]);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

@@ -354,5 +354,3 @@ TEST(test_refused_shapes)
     assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
     free(voxels);
 }
-
-int main(void) { return suite_run(NULL, NULL); }

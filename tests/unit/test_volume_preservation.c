@@ -182,5 +182,3 @@ TEST(test_saved)
     assert_true(smr_state_hash(s) == smr_state_hash(again));
     assert_float_equal(volume_of(again).ratio, 1.3f, 1e-3f);
 }
-
-int main(void) { return suite_run(NULL, NULL); }
