@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L /* dup, fileno */
 
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,10 +67,9 @@ static int is_listed(const char *help, const char *option)
     return at != NULL;
 }
 
-static void lists_what_is_taken(void **state)
+TEST(lists_what_is_taken)
 {
     size_t i = 0, k = 0, wrong = 0, taken = 0;
-    (void)state;
     for (i = 0; i < host_command_count; i++) {
         const host_command_text *const c = &host_command_texts[i];
         char *const help = help_of(c->name);
@@ -90,10 +89,9 @@ static void lists_what_is_taken(void **state)
 }
 
 /* Lines that start with "  -" are options that there are. */
-static void lists_no_strangers(void **state)
+TEST(lists_no_strangers)
 {
     size_t i = 0;
-    (void)state;
     for (i = 0; i < host_command_count; i++) {
         const host_command_text *const c = &host_command_texts[i];
         char *const help = help_of(c->name);
@@ -139,13 +137,12 @@ static int some_take(const char *option)
     return 0;
 }
 
-static void tells_of_the_right_command(void **state)
+TEST(tells_of_the_right_command)
 {
     const host_command_text *of = NULL;
     char *const help = help_of(NULL);
     const char *line = help;
     size_t seen = 0, k = 0;
-    (void)state;
     for (k = 0; k < host_option_count; k++)
         if (strstr(help, host_option_table[k].name) == NULL)
             fail_msg("smr --help does not name %s", host_option_table[k].name);
@@ -164,14 +161,4 @@ static void tells_of_the_right_command(void **state)
     }
     assert_true(seen >= 100);
     free(help);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lists_what_is_taken),
-        cmocka_unit_test(lists_no_strangers),
-        cmocka_unit_test(tells_of_the_right_command),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* test_field_folds.c: the cells of a grid in which a displacement field folds.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -22,10 +22,9 @@ static host_volume grid_of(int mirrored)
     return grid;
 }
 
-static void counts_cells(void **state)
+TEST(counts_cells)
 {
     static float field[3 * VOXELS];
-    (void)state;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         const host_volume grid = grid_of(mirrored);
         const float along = mirrored ? -1.0f : 1.0f;
@@ -41,10 +40,4 @@ static void counts_cells(void **state)
             field[3 * i + 2] = -8.0f * (float)(i / (SIDE * SIDE));
         assert_true(host_field_folds(&grid, field, 0) >= 119 && host_field_folds(&grid, field, 1) <= 8);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(counts_cells)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* test_gzip_write.c: what gzip_write packs, inflate unpacks; runs become small.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,13 +8,12 @@
 #include "files/gzip_write.h"
 #include "volumes/volume_reader.h"
 
-static void packs_and_unpacks(void **state)
+TEST(packs_and_unpacks)
 {
     enum { MOST = 100000 };
     unsigned char *const data = malloc(MOST), *const back = malloc(MOST);
     uint32_t seed = 7, i = 0, kind = 0;
     size_t n = 0;
-    (void)state;
     assert_non_null(data);
     assert_non_null(back);
     for (kind = 0; kind < 4u; kind++)
@@ -38,10 +37,4 @@ static void packs_and_unpacks(void **state)
         }
     free(data);
     free(back);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(packs_and_unpacks)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L /* mkstemp */
 
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -59,12 +59,11 @@ static void check_shape(const host_volume *grid, unsigned s, double least_dice)
     host_label_map_free(&map);
 }
 
-static void keeps_shapes(void **state)
+TEST(keeps_shapes)
 {
     const host_volume straight = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1),
                       oblique = make_grid(1.0, 1.0, 1.0, 0.5, 0.3, -1), uneven = make_grid(0.8, 0.8, 2.0, 0.5, 0.3, 1);
     unsigned s = 0;
-    (void)state;
     for (s = 0; s < SHAPES; s++) {
         check_shape(&straight, s, 0.98);
         check_shape(&oblique, s, 0.98);
@@ -73,14 +72,13 @@ static void keeps_shapes(void **state)
 }
 
 /* Two halves of a ball that touch: each is closed, and no voxel changes its owner. */
-static void keeps_touching_structures(void **state)
+TEST(keeps_touching_structures)
 {
     const host_volume grid = make_grid(1.0, 1.2, 0.9, 0.4, 0.7, 1);
     host_label_map map = make_map(&grid, 2);
     host_label_surface *surface = NULL;
     uint32_t i = 0;
     size_t v = 0;
-    (void)state;
     for (v = 0; v < host_label_voxels(&map); v++) {
         double at[3];
         place(&grid, v, at);
@@ -99,11 +97,10 @@ static void keeps_touching_structures(void **state)
 }
 
 /* Noise has every cell there is; voxels at the border are closed by what lies beyond. */
-static void closes_noise(void **state)
+TEST(closes_noise)
 {
     host_volume grid = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1);
     uint32_t round = 0, seed = 1;
-    (void)state;
     grid.size[0] = 17;
     grid.size[1] = 14;
     grid.size[2] = 11;
@@ -125,10 +122,9 @@ static void closes_noise(void **state)
 }
 
 /* What a cell's loops must be: each crossed edge in one, and faces crossed twice only where the notes say so. */
-static void groups_all_cells(void **state)
+TEST(groups_all_cells)
 {
     unsigned mask = 0, e = 0, twice = 0;
-    (void)state;
     for (mask = 0; mask < 256u; mask++) {
         const host_loops loops = host_cell_loops(mask, 0);
         unsigned crossed = 0;
@@ -151,14 +147,13 @@ static void groups_all_cells(void **state)
 }
 
 /* A cube whose corners, edges and faces lie on rays and voxels: half open along each axis, so cubes tile. */
-static void fills_once_on_rays(void **state)
+TEST(fills_once_on_rays)
 {
     static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
     host_volume grid = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1);
     unsigned char count[9 * 9 * 9] = {0};
     uint32_t n = 0, i = 0;
-    (void)state;
     memset(grid.origin, 0, sizeof grid.origin);
     grid.size[0] = grid.size[1] = grid.size[2] = 9;
     for (n = 0; n < 8u; n++) {
@@ -217,14 +212,13 @@ static int try_map(const char *path)
     return 1;
 }
 
-static void survives_damage(void **state)
+TEST(survives_damage)
 {
     static const char marks[] = "0-9.,:=({[/\\\n eS";
     char path[] = "/tmp/smr_labels_XXXXXX", damaged[sizeof layered];
     const size_t all = sizeof layered - 1u;
     const int fd = mkstemp(path);
     uint32_t seed = 3, round = 0, k = 0, good = 0;
-    (void)state;
     assert_true(fd >= 0);
     for (round = 0; round < 1500u; round++) {
         memcpy(damaged, layered, sizeof layered);
@@ -243,13 +237,12 @@ static void survives_damage(void **state)
 }
 
 /* Places along an axis are floats. */
-static void refuses_long_axes(void **state)
+TEST(refuses_long_axes)
 {
     host_volume grid = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1);
     host_label_surface surface[1];
     host_error error = {0};
     host_label_map map;
-    (void)state;
     grid.size[0] = 16777217;
     grid.size[1] = grid.size[2] = 1;
     map = make_map(&grid, 1);
@@ -259,13 +252,4 @@ static void refuses_long_axes(void **state)
     host_label_map_free(&map);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(groups_all_cells),          cmocka_unit_test(keeps_shapes),
-        cmocka_unit_test(keeps_touching_structures), cmocka_unit_test(closes_noise),
-        cmocka_unit_test(fills_once_on_rays),        cmocka_unit_test(survives_damage),
-        cmocka_unit_test(refuses_long_axes),
-    };
-    return cmocka_run_group_tests(tests, open_port, close_port);
-}
+int main(void) { return suite_run(open_port, close_port); }

@@ -1,6 +1,6 @@
 /* test_landmarks_agree.c: pairs of landmarks that cannot be meant are told from those that two people have.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,11 +34,10 @@ static pairs make(oracle_random *r, double noise)
     return p;
 }
 
-static void people_agree(void **state)
+TEST(people_agree)
 {
     oracle_random r = oracle_seed(1);
     int run = 0;
-    (void)state;
     for (run = 0; run < RUNS; run++) {
         const pairs p = make(&r, 20.0);
         const host_landmark_doubt doubt = host_landmarks_agree(p.from[0], p.to[0], PAIRS);
@@ -47,11 +46,10 @@ static void people_agree(void **state)
     }
 }
 
-static void finds_an_exchange(void **state)
+TEST(finds_an_exchange)
 {
     oracle_random r = oracle_seed(2);
     int run = 0, found = 0;
-    (void)state;
     for (run = 0; run < RUNS; run++) {
         pairs p = make(&r, 10.0);
         float keep[3];
@@ -64,11 +62,10 @@ static void finds_an_exchange(void **state)
     assert_true(found > RUNS * 95 / 100); /* not those that lie beside each other */
 }
 
-static void finds_one_far_off(void **state)
+TEST(finds_one_far_off)
 {
     oracle_random r = oracle_seed(3);
     int run = 0, found = 0;
-    (void)state;
     for (run = 0; run < RUNS; run++) {
         pairs p = make(&r, 5.0);
         p.to[4][run % 3] += 90.0f;
@@ -78,12 +75,11 @@ static void finds_one_far_off(void **state)
     assert_true(found > RUNS * 95 / 100);
 }
 
-static void finds_sets_that_do_not_fit(void **state)
+TEST(finds_sets_that_do_not_fit)
 {
     oracle_random r = oracle_seed(4);
     pairs p = make(&r, 0.0);
     const pairs other = make(&r, 0.0);
-    (void)state;
     assert_int_equal(host_landmarks_agree(p.from[0], other.to[0], PAIRS).kind, HOST_LANDMARKS_APART);
     assert_int_equal(host_landmarks_agree(p.from[0], other.to[0], 4).kind, HOST_LANDMARKS_AGREE); /* too few to tell */
     memset(p.from, 0, sizeof p.from);
@@ -91,10 +87,9 @@ static void finds_sets_that_do_not_fit(void **state)
 }
 
 /* The check value of the standard, in one piece and in two. */
-static void checksum_is_the_standard_one(void **state)
+TEST(checksum_is_the_standard_one)
 {
     static host_crc32 crc;
-    (void)state;
     host_crc32_start(&crc);
     assert_int_equal(host_crc32_end(&crc), 0);
     host_crc32_add(&crc, "12345", 5);
@@ -103,16 +98,4 @@ static void checksum_is_the_standard_one(void **state)
     host_crc32_start(&crc);
     host_crc32_add(&crc, "123456789", 9);
     assert_int_equal(host_crc32_end(&crc), 0xcbf43926u);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(people_agree),
-        cmocka_unit_test(finds_an_exchange),
-        cmocka_unit_test(finds_one_far_off),
-        cmocka_unit_test(finds_sets_that_do_not_fit),
-        cmocka_unit_test(checksum_is_the_standard_one),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

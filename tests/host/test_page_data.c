@@ -1,7 +1,7 @@
 /* test_page_data.c: the data of a page: base64, JSON in a script element, 16-bit numbers, thinned surfaces, the cut of
  * an image.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,11 +18,10 @@ static char *written(host_buffer *out)
     return (char *)out->data + 1;
 }
 
-static void base64_is_the_standard_one(void **state)
+TEST(base64_is_the_standard_one)
 {
     static const char *const pairs[][2] = {{"", ""},        {"f", "Zg=="},          {"fo", "Zm8="},
                                            {"foo", "Zm9v"}, {"foobar", "Zm9vYmFy"}, {"\xff\xfe\xfd", "//79"}};
-    (void)state;
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         host_buffer out = {0};
         host_json json = {&out, 0, 1, 1};
@@ -35,14 +34,13 @@ static void base64_is_the_standard_one(void **state)
     }
 }
 
-static void data_cannot_end_their_element(void **state)
+TEST(data_cannot_end_their_element)
 {
     static const char *const pairs[][2] = {
         {"{\n  \"a b\": [1,\n  2]\n}\n", "{\"a b\":[1,2]}"},
         {"\"</script><!-- & -->\"", "\"\\u003c/script>\\u003c!-- & -->\""},
         {"\"\\\" x\\\\\" : 1", "\"\\\" x\\\\\":1"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         host_buffer json = {0}, out = {0};
         host_buffer_add(&json, pairs[i][0], strlen(pairs[i][0]));
@@ -69,14 +67,13 @@ static uint32_t word(const char *json, size_t i)
     return bytes[0] | bytes[1] << 8;
 }
 
-static void values_keep_what_they_are(void **state)
+TEST(values_keep_what_they_are)
 {
     static const uint32_t all[] = {0, 1, 2, 3, 4, 5, 6};
     const float value[] = {0.0f, 3.0f, 12.5f, NAN, -1.0f, INFINITY, 0.001f}, none[] = {NAN, -1.0f},
                 zero[] = {0.0f, 0.0f};
     host_buffer out = {0};
     host_json json = {&out, 0, 1, 1};
-    (void)state;
     host_page_values(&json, NULL, value, all, 7);
     const char *text = written(&out) - 1;
     const double unit = atof(strstr(text, "unit\": ") + 7);
@@ -97,13 +94,12 @@ static void values_keep_what_they_are(void **state)
     host_buffer_free(&out);
 }
 
-static void points_keep_their_places(void **state)
+TEST(points_keep_their_places)
 {
     const float xyz[] = {-10, 5, 0, 90, 5, 0, 40, 5, 1000};
     const uint32_t keep[] = {2, 0};
     host_buffer out = {0};
     host_json json = {&out, 0, 1, 1};
-    (void)state;
     host_page_points(&json, NULL, xyz, NULL, 3);
     const char *text = written(&out) - 1;
     assert_non_null(strstr(text, "{\"low\": [-10, 5, 0], \"high\": [90, 5, 1000], \"at\": \""));
@@ -146,12 +142,11 @@ static host_mesh make_sheet(void)
     return mesh;
 }
 
-static void thinning_leaves_a_surface(void **state)
+TEST(thinning_leaves_a_surface)
 {
     host_mesh mesh = make_sheet();
     host_page_mesh thin;
     uint32_t i = 0;
-    (void)state;
     assert_int_equal(host_page_thin(&mesh, 0.0f, &thin), 0);
     assert_int_equal(thin.n_vertices, mesh.n_vertices);
     assert_int_equal(thin.n_triangles, mesh.n_triangles);
@@ -171,12 +166,11 @@ static void thinning_leaves_a_surface(void **state)
     host_mesh_free(&mesh);
 }
 
-static void all_are_thinned_alike(void **state)
+TEST(all_are_thinned_alike)
 {
     host_mesh mesh = make_sheet();
     host_page_part *const part = calloc(2, sizeof *part);
     float cell = -1.0f;
-    (void)state;
     assert_non_null(part);
     part[0].mesh = part[1].mesh = &mesh;
     part[0].vertex_bytes = 18;
@@ -195,14 +189,13 @@ enum { NX = 12, NY = 10, NZ = 8 };
 
 /* Brightness rises linearly: what is cut out of it and averaged must as well, to a tenth of a voxel: a voxel counts as
  * far as it is covered. */
-static void image_is_cut_and_averaged(void **state)
+TEST(image_is_cut_and_averaged)
 {
     uint16_t voxel[NX * NY * NZ];
     host_volume v = {voxel, SMR_VOXEL_UINT16, {NX, NY, NZ}, {100, -50, 30}, {1, 1, 3}, {0, 1, 0, 1, 0, 0, 0, 0, -1}};
     const host_box box = {{101, -49, 15}, {106, -44, 20}, 2}, away = {{500, 500, 500}, {510, 510, 510}, 2};
     host_page_image out;
     uint32_t i = 0, at[3];
-    (void)state;
     for (i = 0; i < NX * NY * NZ; i++)
         voxel[i] = (uint16_t)(1000 + 10 * (i % NX) + 100 * (i / NX % NY) + 20 * (i / NX / NY));
     assert_int_equal(host_page_image_make(&v, &away, 5, 1000, &out), 0);
@@ -230,14 +223,13 @@ static void image_is_cut_and_averaged(void **state)
     free(out.at);
 }
 
-static void odd_images_are_no_trouble(void **state)
+TEST(odd_images_are_no_trouble)
 {
     float value[8] = {NAN, INFINITY, -INFINITY, 5, 5, 5, 5, NAN};
     uint8_t one = 7;
     host_volume v = {value, SMR_VOXEL_FLOAT, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     const host_box box = {{-1, -1, -1}, {3, 3, 3}, 2};
     host_page_image out;
-    (void)state;
     assert_int_equal(host_page_image_make(&v, &box, 10, 100, &out), 0);
     assert_true(isfinite(out.low) && out.high > out.low);
     free(out.at);
@@ -253,15 +245,4 @@ static void odd_images_are_no_trouble(void **state)
     assert_int_equal(host_page_image_make(&v, &box, 10, 100, &out), 0);
     assert_int_equal(out.at[0], 7);
     free(out.at);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(base64_is_the_standard_one), cmocka_unit_test(data_cannot_end_their_element),
-        cmocka_unit_test(values_keep_what_they_are),  cmocka_unit_test(points_keep_their_places),
-        cmocka_unit_test(thinning_leaves_a_surface),  cmocka_unit_test(all_are_thinned_alike),
-        cmocka_unit_test(image_is_cut_and_averaged),  cmocka_unit_test(odd_images_are_no_trouble),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L /* mkdtemp */
 
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -43,13 +43,12 @@ static int parse(const char *text, size_t n, host_report_head *head, host_error 
     return result;
 }
 
-static void a_report_is_read(void **state)
+TEST(a_report_is_read)
 {
     char text[ROOM];
     const size_t n = make(text);
     host_report_head head;
     host_error error;
-    (void)state;
     assert_int_equal(parse(text, n, &head, &error), 0);
     assert_int_equal(head.verdict.level, HOST_VERDICT_LOOK);
     assert_int_equal(head.verdict.n_reasons, 2);
@@ -73,7 +72,7 @@ static size_t changed(char *text, const char *from, const char *to)
     return (size_t)snprintf(text, ROOM, "%.*s%s%s", (int)(at - whole), whole, to, at + strlen(from));
 }
 
-static void others_are_refused(void **state)
+TEST(others_are_refused)
 {
     static const char *const change[][2] = {{"\"version\": \"", "\"version\": \"9"},
                                             {"\"verdict\": \"look\"", "\"verdict\": \"fine\""},
@@ -97,7 +96,6 @@ static void others_are_refused(void **state)
     host_report_head head;
     host_error error;
     size_t i = 0, n = 0;
-    (void)state;
     for (i = 0; i < sizeof change / sizeof change[0]; i++) {
         n = changed(text, change[i][0], change[i][1]);
         assert_int_equal(parse(text, n, &head, &error), -1);
@@ -109,14 +107,13 @@ static void others_are_refused(void **state)
 }
 
 /* Lists without end: reasons are dropped, structures refused; texts are cut. */
-static void long_lists_end(void **state)
+TEST(long_lists_end)
 {
     host_buffer text = {NULL, 0, 0, 0};
     host_report_head head;
     host_error error;
     char start[ROOM];
     uint32_t i = 0;
-    (void)state;
     (void)changed(start, "\"b\\n\"", "");
     *strstr(start, "\n  ],") = '\0';
     host_buffer_print(&text, "%s \"%0999d\"", start, 7);
@@ -196,14 +193,13 @@ static size_t damage(char *text, size_t n, oracle_random *r)
     return oracle_next(r) % 8u == 0 ? oracle_next(r) % n : n;
 }
 
-static void damaged_reports_do_no_harm(void **state)
+TEST(damaged_reports_do_no_harm)
 {
     char path[] = "no \"such\", \xff<dir>&";
     oracle_random r = oracle_seed(5);
     host_case one;
     host_cases cases = {&one, 1, 0};
     int i = 0, read = 0;
-    (void)state;
     memset(&one, 0, sizeof one);
     one.path = path;
     for (i = 0; i < DAMAGED; i++) {
@@ -279,14 +275,13 @@ static int is_done(const directory *d, const char *text, size_t n)
 }
 
 /* Done is what names itself whole; what is damaged anywhere else is refused, or done. */
-static void damaged_reports_are_done_or_not(void **state)
+TEST(damaged_reports_are_done_or_not)
 {
     char text[ROOM], dotted[80];
     oracle_random r = oracle_seed(6);
     directory d;
     size_t n = 0;
     int i = 0, done = 0;
-    (void)state;
     memset(&d, 0, sizeof d);
     (void)snprintf(d.path, sizeof d.path, "/tmp/report_head.XXXXXX");
     assert_non_null(mkdtemp(d.path));
@@ -318,28 +313,14 @@ static void damaged_reports_are_done_or_not(void **state)
     (void)remove(d.path);
 }
 
-static void order_is_natural(void **state)
+TEST(order_is_natural)
 {
     static const char *const sorted[] = {
         "",  "a",   "a/1", "a/2", "a/02b", "a/10", "a1", "a9999999999999999999999", "a10000000000000000000000",
         "b", "b01", "b1",  "b1c", "c"};
     const size_t n = sizeof sorted / sizeof sorted[0];
     size_t i = 0, k = 0;
-    (void)state;
     for (i = 0; i < n; i++)
         for (k = 0; k < n; k++)
             assert_int_equal(host_natural_order(sorted[i], sorted[k]), (i > k) - (i < k));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_report_is_read),
-        cmocka_unit_test(others_are_refused),
-        cmocka_unit_test(long_lists_end),
-        cmocka_unit_test(damaged_reports_do_no_harm),
-        cmocka_unit_test(damaged_reports_are_done_or_not),
-        cmocka_unit_test(order_is_natural),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* test_surface_distances.c: distances integrate over the area: the quadrature is exact for cubics, points on shared
  * edges and corners count once, and what is masked, or belongs to no triangle, does not count. Tolerance 1e-6 relative.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,10 +31,9 @@ static double integral(const smr_mesh *mesh, const unsigned char *seen, int px, 
     return sum;
 }
 
-static void integrates_cubics_exactly(void **state)
+TEST(integrates_cubics_exactly)
 {
     int px = 0, py = 0;
-    (void)state;
     for (px = 0; px <= 3; px++)
         for (py = 0; px + py <= 3; py++) {
             const double exact = pow(10.0, px + 1) / (px + 1) * pow(10.0, py + 1) / (py + 1);
@@ -44,10 +43,9 @@ static void integrates_cubics_exactly(void **state)
     assert_true(fabs(integral(&square, NULL, 4, 0) - 20000.0) > 1.0); /* the test can fail */
 }
 
-static void shares_edges_and_corners(void **state)
+TEST(shares_edges_and_corners)
 {
     host_samples s;
-    (void)state;
     assert_int_equal(host_samples_make(&square, &s), 0);
     assert_int_equal(s.n_vertices, 5);
     assert_int_equal(s.n, 5 + 5 + 2); /* two triangles share one of their edges */
@@ -55,10 +53,9 @@ static void shares_edges_and_corners(void **state)
     host_samples_free(&s);
 }
 
-static void leaves_out_what_is_masked(void **state)
+TEST(leaves_out_what_is_masked)
 {
     static const unsigned char all_but_one[] = {1, 1, 1, 0, 1}, none[] = {1, 0, 1, 0, 1};
-    (void)state;
     assert_true(fabs(integral(&square, all_but_one, 0, 0) - 50.0) <= 1e-5);
     assert_true(fabs(integral(&square, all_but_one, 0, 1) - 50.0 * 10.0 / 3.0) <= 1e-4); /* the lower triangle */
     assert_true(!(integral(&square, none, 0, 0) > 0.0));
@@ -91,13 +88,12 @@ static void free_scene(scene *s)
     free(s->memory);
 }
 
-static void tells_area_from_vertices(void **state)
+TEST(tells_area_from_vertices)
 {
     static const unsigned char left[] = {1, 0, 1, 1, 1}, *const mask[] = {left};
     scene s = make_scene(&square);
     host_stats area, vertices, masked;
     const double far = sqrt(13.0);
-    (void)state;
     assert_int_equal(host_area_stats(&s.query, 1, NULL, &area), 0);
     assert_int_equal(host_vertex_stats(&s.query, 1, NULL, &vertices), 0);
     assert_int_equal(host_area_stats(&s.query, 1, mask, &masked), 0);
@@ -112,12 +108,11 @@ static void tells_area_from_vertices(void **state)
     free_scene(&s);
 }
 
-static void counts_points_alike(void **state)
+TEST(counts_points_alike)
 {
     const smr_mesh points = {square_xyz, NULL, 4, 0};
     scene s = make_scene(&points);
     host_stats area, vertices;
-    (void)state;
     assert_int_equal(host_area_stats(&s.query, 1, NULL, &area), 0);
     assert_int_equal(host_vertex_stats(&s.query, 1, NULL, &vertices), 0);
     assert_int_equal(area.n, 4);
@@ -125,38 +120,25 @@ static void counts_points_alike(void **state)
     free_scene(&s);
 }
 
-static void weighs_percentiles(void **state)
+TEST(weighs_percentiles)
 {
     host_weighted light[] = {{9.0f, 1.0f}, {1.0f, 95.0f}, {5.0f, 4.0f}};
     host_weighted heavy[] = {{9.0f, 1.0f}, {1.0f, 94.0f}, {5.0f, 5.0f}};
     const host_stats a = host_stats_of(light, 3), b = host_stats_of(heavy, 3), none = host_stats_of(light, 0);
-    (void)state;
     assert_true(fabs(a.p95 - 1.0) < 1e-9 && fabs(b.p95 - 5.0) < 1e-9);
     assert_true(fabs(a.mean - 1.24) < 1e-9 && fabs(a.max - 9.0) < 1e-9);
     assert_int_equal(none.n, 0);
 }
 
 /* The square folded along its diagonal, one half with a smaller height: 3 mm over the diagonal. */
-static void tells_how_deep_folds_are(void **state)
+TEST(tells_how_deep_folds_are)
 {
     const float h = 3.0f * (float)sqrt(0.5), x = 5.0f + h, y = 5.0f - h;
     const float folded[] = {0, 0, 0, 10, 0, 0, 10, 10, 0, x, y, 0.1f, 500, 500, 500};
     const smr_mesh mesh = {folded, square_triangles, 5, 2};
     host_folds folds;
-    (void)state;
     assert_int_equal(host_count_folds(&mesh, square_xyz, &folds), 0);
     assert_true(folds.n == 1 && folds.all == 1 && fabs(folds.deepest_mm - 3.0) < 0.01);
     assert_int_equal(host_count_folds(&mesh, folded, &folds), 0);
     assert_true(folds.n == 0 && folds.all == 1 && folds.deepest_mm == 0.0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(integrates_cubics_exactly), cmocka_unit_test(shares_edges_and_corners),
-        cmocka_unit_test(leaves_out_what_is_masked), cmocka_unit_test(tells_area_from_vertices),
-        cmocka_unit_test(counts_points_alike),       cmocka_unit_test(weighs_percentiles),
-        cmocka_unit_test(tells_how_deep_folds_are),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,7 @@
  * the same volume, and both surfaces are near each other, the nearer the more triangles there are. What cannot get
  * thinner stays closed. Noise of any kind stays closed.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -110,10 +110,9 @@ static double check_thin(unsigned s, const host_label_surface *whole, uint32_t m
     return fmax(there, back);
 }
 
-static void keeps_shapes(void **state)
+TEST(keeps_shapes)
 {
     unsigned s = 0;
-    (void)state;
     for (s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
         host_label_surface *const whole = surface_of(thinned[s].inside, 0);
         const double fine = check_thin(s, whole, 2500), middle = check_thin(s, whole, 800),
@@ -125,10 +124,9 @@ static void keeps_shapes(void **state)
 }
 
 /* As far down as it goes: a closed surface of four triangles or more, a torus of more. */
-static void ends_closed(void **state)
+TEST(ends_closed)
 {
     unsigned s = 0;
-    (void)state;
     for (s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
         host_label_surface *const whole = surface_of(thinned[s].inside, 0);
         host_mesh *const mesh = &whole->mesh;
@@ -152,22 +150,13 @@ static int noise(const double p[3])
     return ball(p) && (seed >> 28) < 7u;
 }
 
-static void keeps_noise_closed(void **state)
+TEST(keeps_noise_closed)
 {
     host_label_surface *const whole = surface_of(noise, 0);
-    (void)state;
     assert_true(is_closed(&whole->mesh));
     assert_int_equal(host_surface_thin(&whole->mesh, whole->mesh.n_triangles / 3u), 0);
     assert_true(is_closed(&whole->mesh));
     host_label_surfaces_free(whole, 1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(keeps_shapes),
-        cmocka_unit_test(ends_closed),
-        cmocka_unit_test(keeps_noise_closed),
-    };
-    return cmocka_run_group_tests(tests, open_port, close_port);
-}
+int main(void) { return suite_run(open_port, close_port); }
