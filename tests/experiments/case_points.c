@@ -117,7 +117,6 @@ void case_feed(char **word)
     smr_tick_report report = {0};
     smr_points *points = NULL;
     size_t bytes = 0;
-    char *path = NULL;
     const uint32_t n = (uint32_t)atoi(word[2]), step = atoi(word[3]) > 0 ? (uint32_t)atoi(word[3]) : n;
     const int normals = atoi(word[4]);
     float *const xyz = case_alloc(3u * (size_t)n, sizeof *xyz), *const normal = case_alloc(3u * (size_t)n, sizeof *xyz);
@@ -141,7 +140,7 @@ void case_feed(char **word)
     }
     case_check(smr_get_positions(run.s, 0, data->body[0].model.xyz));
     case_directory(word[1]);
-    path = case_text("%s/%s.ply", word[1], data->body[0].name);
+    char *path = case_text("%s/%s.ply", word[1], data->body[0].name);
     case_save(&data->body[0].model, path);
 }
 

@@ -241,10 +241,9 @@ TEST(test_image)
     const float middle[3] = {-120.0f, 4.0f, -202.0f}, muscle[3] = {-126.0f, -72.0f, -202.0f};
     fixture_box box;
     fixture_pose pose;
-    uint8_t *voxels;
     float *words;
     fixture_thigh_box(low, high, spacing, &box);
-    voxels = malloc((size_t)box.n[0] * box.n[1]);
+    uint8_t *voxels = malloc((size_t)box.n[0] * box.n[1]);
     words = malloc(FIXTURE_IMAGE_SCRATCH(box.n[0], box.n[1]) * sizeof *words);
     assert_non_null(voxels);
     assert_non_null(words);

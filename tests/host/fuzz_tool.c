@@ -21,8 +21,6 @@ static int try_one(fuzz_reader read, const unsigned char *data, size_t n)
     host_mesh mesh;
     host_error error;
     host_mesh_reader reader;
-    size_t i = 0;
-    int good = 0;
     memset(&mesh, 0, sizeof mesh);
     memset(&error, 0, sizeof error);
     memset(&reader, 0, sizeof reader);
@@ -34,16 +32,16 @@ static int try_one(fuzz_reader read, const unsigned char *data, size_t n)
         abort();
     if (n > 0)
         memcpy(copy, data, n);
-    good = read(&reader, copy, n) == 0;
+    int good = read(&reader, copy, n) == 0;
     if (!good && (error.place[0] == '\0' || error.expected[0] == '\0'))
         abort();
-    for (i = 0; good && i < 3u * (size_t)mesh.n_triangles; i++)
+    for (size_t i = 0; good && i < 3u * (size_t)mesh.n_triangles; i++)
         if (mesh.triangles[i] >= mesh.n_vertices)
             abort();
-    for (i = 0; good && i < 3u * (size_t)mesh.n_vertices; i++)
+    for (size_t i = 0; good && i < 3u * (size_t)mesh.n_vertices; i++)
         if (!(mesh.xyz[i] >= -SMR_COORD_MAX && mesh.xyz[i] <= SMR_COORD_MAX))
             abort();
-    for (i = 0; good && i < 3u * reader.n_normals; i++)
+    for (size_t i = 0; good && i < 3u * reader.n_normals; i++)
         if (!(mesh.normals[i] >= -1.001f && mesh.normals[i] <= 1.001f))
             abort();
     host_mesh_free(&mesh);
@@ -101,20 +99,18 @@ int main(int argc, char **argv)
 {
     host_bytes bytes;
     host_error error;
-    unsigned char *work = NULL;
-    uint64_t state = 0;
     long i = 0, n = 0, good = 0;
     memset(&error, 0, sizeof error);
     if (argc != 4 || (n = atol(argv[2])) < 1) {
         (void)fputs("usage: fuzz_tool FILE N SEED\n", stderr);
         return 2;
     }
-    state = (uint64_t)atol(argv[3]);
+    uint64_t state = (uint64_t)atol(argv[3]);
     if (host_file_read(argv[1], NULL, &bytes, &error) != 0) {
         host_error_print(&error);
         return 2;
     }
-    work = malloc(bytes.size + 64u);
+    unsigned char *work = malloc(bytes.size + 64u);
     for (i = 0; work != NULL && i < n; i++) {
         size_t size = 0;
         uint32_t r = 0;

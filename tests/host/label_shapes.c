@@ -65,17 +65,16 @@ host_volume make_grid(double sx, double sy, double sz, double turn, double tilt,
     const double c = cos(turn), s = sin(turn), d = cos(tilt), t = sin(tilt), spacing[3] = {sx, sy, sz};
     const double rows[9] = {c, -s * d, s * t, s, c * d, -c * t, 0.0, t, d};
     double half[3], at[3];
-    unsigned k = 0;
     memset(&g, 0, sizeof g);
-    for (k = 0; k < 9; k++)
+    for (unsigned k = 0; k < 9; k++)
         g.direction[k] = (float)(k % 3u == 2u && handed < 0 ? -rows[k] : rows[k]);
-    for (k = 0; k < 3; k++) {
+    for (unsigned k = 0; k < 3; k++) {
         g.spacing[k] = (float)spacing[k];
         g.size[k] = (uint32_t)(56.0 / spacing[k]);
         half[k] = 0.5 * (double)(g.size[k] - 1u) + 0.23;
     }
     host_volume_place(&g, half, at);
-    for (k = 0; k < 3; k++)
+    for (unsigned k = 0; k < 3; k++)
         g.origin[k] = (float)-at[k];
     return g;
 }
@@ -90,7 +89,6 @@ void place(const host_volume *g, size_t voxel, double at[3])
 host_label_map make_map(const host_volume *grid, uint32_t n)
 {
     host_label_map map;
-    uint32_t i = 0;
     memset(&map, 0, sizeof map);
     map.grid = *grid;
     map.n_layers = 1;
@@ -99,7 +97,7 @@ host_label_map make_map(const host_volume *grid, uint32_t n)
     map.label = calloc(n, sizeof *map.label);
     assert_non_null(map.index);
     assert_non_null(map.label);
-    for (i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++)
         (void)snprintf(map.label[i].name, SMR_NAME_BYTES, "label_%u", i + 1u);
     return map;
 }
@@ -113,8 +111,7 @@ void set_voxel(host_label_map *map, size_t voxel, uint16_t label)
 host_label_map draw(const host_volume *grid, shape_function f)
 {
     host_label_map map = make_map(grid, 1);
-    size_t i = 0;
-    for (i = 0; i < host_label_voxels(&map); i++) {
+    for (size_t i = 0; i < host_label_voxels(&map); i++) {
         double at[3];
         place(grid, i, at);
         if (f(at) < 0.0)
@@ -152,13 +149,11 @@ static void corner(const host_mesh *mesh, size_t t, unsigned c, double p[3])
 double normal_error(const host_mesh *mesh, shape_function f)
 {
     double sum = 0.0, all = 0.0;
-    size_t t = 0;
-    unsigned k = 0;
-    for (t = 0; t < mesh->n_triangles; t++) {
+    for (size_t t = 0; t < mesh->n_triangles; t++) {
         double p[3][3], n[3], g[3], area = 0.0, length = 0.0, dot = 0.0;
-        for (k = 0; k < 3; k++)
+        for (unsigned k = 0; k < 3; k++)
             corner(mesh, t, k, p[k]);
-        for (k = 0; k < 3; k++) {
+        for (unsigned k = 0; k < 3; k++) {
             const unsigned i = (k + 1u) % 3u, j = (k + 2u) % 3u;
             double at[3], up = 0.0;
             n[k] = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
@@ -169,7 +164,7 @@ double normal_error(const host_mesh *mesh, shape_function f)
             at[k] -= 0.02;
             g[k] = up - f(at);
         }
-        for (k = 0; k < 3; k++) {
+        for (unsigned k = 0; k < 3; k++) {
             area += n[k] * n[k];
             length += g[k] * g[k];
             dot += n[k] * g[k];
@@ -185,8 +180,7 @@ double normal_error(const host_mesh *mesh, shape_function f)
 double mesh_volume(const host_mesh *mesh)
 {
     double six = 0.0;
-    size_t t = 0;
-    for (t = 0; t < mesh->n_triangles; t++) {
+    for (size_t t = 0; t < mesh->n_triangles; t++) {
         double a[3], b[3], c[3];
         corner(mesh, t, 0, a);
         corner(mesh, t, 1, b);
@@ -202,12 +196,11 @@ double dice_of(const host_mesh *mesh, const host_volume *grid, const uint16_t *i
     host_filled filled;
     host_error error = {0};
     uint64_t a = 0, b = 0, both = 0;
-    uint32_t x = 0, y = 0, z = 0;
     size_t voxel = 0;
     assert_int_equal(host_surface_fill(mesh, grid, &filled, &error), 0);
-    for (z = 0; z < grid->size[2]; z++)
-        for (y = 0; y < grid->size[1]; y++)
-            for (x = 0; x < grid->size[0]; x++, voxel++) {
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++, voxel++) {
                 const uint32_t i = x - filled.low[0], j = y - filled.low[1], k = z - filled.low[2];
                 const int in = i < filled.size[0] && j < filled.size[1] && k < filled.size[2] &&
                                filled.inside[((size_t)k * filled.size[1] + j) * filled.size[0] + i];

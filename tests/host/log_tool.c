@@ -77,11 +77,10 @@ static int write_sealed(const char *path, const unsigned char *body, size_t size
 {
     static unsigned char out[1u << 24];
     FILE *const to = fopen(path, "wb");
-    size_t n = 0;
     if (to == NULL)
         return 1;
     memcpy(out, body, size);
-    n = size;
+    size_t n = size;
     if (log != NULL) {
         n += (size_t)sprintf((char *)out + n, "log %zu\n", log_bytes);
         memcpy(out + n, log, log_bytes);

@@ -50,16 +50,15 @@ static int convert(const char *in, const char *format, const char *out)
 static int compare(const char *a, const char *b)
 {
     host_mesh x, y;
-    int same = 0;
     if (read_mesh(a, &x) != 0)
         return 2;
     if (read_mesh(b, &y) != 0) {
         host_mesh_free(&x);
         return 2;
     }
-    same = x.n_vertices == y.n_vertices && x.n_triangles == y.n_triangles &&
-           memcmp(x.xyz, y.xyz, 12u * (size_t)x.n_vertices) == 0 &&
-           (x.n_triangles == 0 || memcmp(x.triangles, y.triangles, 12u * (size_t)x.n_triangles) == 0);
+    int same = x.n_vertices == y.n_vertices && x.n_triangles == y.n_triangles &&
+               memcmp(x.xyz, y.xyz, 12u * (size_t)x.n_vertices) == 0 &&
+               (x.n_triangles == 0 || memcmp(x.triangles, y.triangles, 12u * (size_t)x.n_triangles) == 0);
     if (!same)
         printf("differ: %u/%u vertices, %u/%u triangles\n", x.n_vertices, y.n_vertices, x.n_triangles, y.n_triangles);
     host_mesh_free(&x);
@@ -72,10 +71,9 @@ static int count(const char *in)
 {
     host_mesh mesh;
     double area = 0.0, volume = 0.0;
-    uint32_t i = 0;
     if (read_mesh(in, &mesh) != 0)
         return 2;
-    for (i = 0; i < mesh.n_triangles; i++) {
+    for (uint32_t i = 0; i < mesh.n_triangles; i++) {
         double p[3][3], n[3];
         int k = 0;
         for (k = 0; k < 9; k++) {
@@ -101,10 +99,8 @@ static int run_limited(int most_ms, long most_kb, char **command)
     struct timespec a, b;
     struct rusage usage;
     int status = 0;
-    double ms = 0.0;
-    pid_t child = 0;
     (void)clock_gettime(CLOCK_MONOTONIC, &a);
-    child = fork();
+    pid_t child = fork();
     if (child == 0) {
         (void)execvp(command[0], command);
         _exit(95);
@@ -112,7 +108,7 @@ static int run_limited(int most_ms, long most_kb, char **command)
     if (child < 0 || waitpid(child, &status, 0) != child || getrusage(RUSAGE_CHILDREN, &usage) != 0)
         return 95;
     (void)clock_gettime(CLOCK_MONOTONIC, &b);
-    ms = (double)(b.tv_sec - a.tv_sec) * 1e3 + (double)(b.tv_nsec - a.tv_nsec) * 1e-6;
+    double ms = (double)(b.tv_sec - a.tv_sec) * 1e3 + (double)(b.tv_nsec - a.tv_nsec) * 1e-6;
     if (!WIFEXITED(status))
         return 96;
     if (usage.ru_maxrss > most_kb)
@@ -125,9 +121,8 @@ static int run_limited(int most_ms, long most_kb, char **command)
 static int time_reading(const char *in, int n)
 {
     struct timespec a, b;
-    int i = 0;
     (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &a);
-    for (i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++) {
         host_mesh mesh;
         if (read_mesh(in, &mesh) != 0)
             return 2;

@@ -20,7 +20,6 @@ static char *help_of(const char *command)
 {
     FILE *const file = tmpfile();
     const int before = dup(1);
-    char *text = NULL;
     long n = 0;
     assert_non_null(file);
     assert_true(fflush(stdout) == 0 && before >= 0 && dup2(fileno(file), 1) == 1);
@@ -32,7 +31,7 @@ static char *help_of(const char *command)
     assert_int_equal(n, 0);
     n = ftell(file);
     rewind(file);
-    text = calloc((size_t)n + 1u, 1);
+    char *text = calloc((size_t)n + 1u, 1);
     assert_non_null(text);
     assert_int_equal(fread(text, 1, (size_t)n, file), n);
     (void)fclose(file);
@@ -46,13 +45,12 @@ static int is_taken(int command, const char *name, const char *option)
     char *argv[4] = {text[0], text[1], text[2], NULL};
     host_options options;
     host_error error;
-    int known = 0;
     memset(&error, 0, sizeof error);
     (void)snprintf(text[0], sizeof text[0], "smr");
     (void)snprintf(text[1], sizeof text[1], "%s", name);
     (void)snprintf(text[2], sizeof text[2], "%s", option);
-    known = host_options_read(command, 3, argv, &options, &error) == 0 ||
-            strncmp(error.expected, "an option of this command", 25) != 0;
+    int known = host_options_read(command, 3, argv, &options, &error) == 0 ||
+                strncmp(error.expected, "an option of this command", 25) != 0;
     host_options_free(&options);
     return known;
 }
@@ -91,8 +89,7 @@ TEST(lists_what_is_taken)
 /* Lines that start with "  -" are options that there are. */
 TEST(lists_no_strangers)
 {
-    size_t i = 0;
-    for (i = 0; i < host_command_count; i++) {
+    for (size_t i = 0; i < host_command_count; i++) {
         const host_command_text *const c = &host_command_texts[i];
         char *const help = help_of(c->name);
         const char *at = help;
@@ -110,8 +107,7 @@ TEST(lists_no_strangers)
 static const host_command_text *command_at(const char *text)
 {
     const size_t n = strspn(text, LETTERS);
-    size_t i = 0;
-    for (i = 0; i < host_command_count; i++)
+    for (size_t i = 0; i < host_command_count; i++)
         if (strlen(host_command_texts[i].name) == n && strncmp(host_command_texts[i].name, text, n) == 0)
             return &host_command_texts[i];
     return NULL;
@@ -128,10 +124,9 @@ static const host_command_text *command_of(const char *line, const host_command_
 /* One section stands for several commands: "preparing (register, ...)". */
 static int some_take(const char *option)
 {
-    size_t i = 0;
     if (strcmp(option, "--help") == 0 || strcmp(option, "--version") == 0)
         return 1;
-    for (i = 0; i < host_command_count; i++)
+    for (size_t i = 0; i < host_command_count; i++)
         if (is_taken(host_command_texts[i].command, host_command_texts[i].name, option))
             return 1;
     return 0;

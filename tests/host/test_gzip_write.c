@@ -13,11 +13,10 @@ TEST(packs_and_unpacks)
     enum { MOST = 100000 };
     unsigned char *const data = malloc(MOST), *const back = malloc(MOST);
     uint32_t seed = 7, i = 0, kind = 0;
-    size_t n = 0;
     assert_non_null(data);
     assert_non_null(back);
     for (kind = 0; kind < 4u; kind++)
-        for (n = 0; n <= MOST; n = n < 6 ? n + 1 : 7 * n + 3) {
+        for (size_t n = 0; n <= MOST; n = n < 6 ? n + 1 : 7 * n + 3) {
             host_buffer packed;
             memset(&packed, 0, sizeof packed);
             for (i = 0; i < n; i++) {

@@ -63,8 +63,7 @@ TEST(keeps_shapes)
 {
     const host_volume straight = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1),
                       oblique = make_grid(1.0, 1.0, 1.0, 0.5, 0.3, -1), uneven = make_grid(0.8, 0.8, 2.0, 0.5, 0.3, 1);
-    unsigned s = 0;
-    for (s = 0; s < SHAPES; s++) {
+    for (unsigned s = 0; s < SHAPES; s++) {
         check_shape(&straight, s, 0.98);
         check_shape(&oblique, s, 0.98);
         check_shape(&uneven, s, s == SHAPE_PLATE ? 0.85 : 0.97); /* slices of 2 mm, a plate of 3 */
@@ -76,17 +75,14 @@ TEST(keeps_touching_structures)
 {
     const host_volume grid = make_grid(1.0, 1.2, 0.9, 0.4, 0.7, 1);
     host_label_map map = make_map(&grid, 2);
-    host_label_surface *surface = NULL;
-    uint32_t i = 0;
-    size_t v = 0;
-    for (v = 0; v < host_label_voxels(&map); v++) {
+    for (size_t v = 0; v < host_label_voxels(&map); v++) {
         double at[3];
         place(&grid, v, at);
         if (shapes[SHAPE_BALL].f(at) < 0.0)
             set_voxel(&map, v, at[0] + 0.3 * at[1] < 2.0 ? 1 : 2);
     }
-    surface = surfaces_of(&map);
-    for (i = 0; i < 2; i++) {
+    host_label_surface *surface = surfaces_of(&map);
+    for (uint32_t i = 0; i < 2; i++) {
         assert_true(is_closed(&surface[i].mesh));
         assert_int_equal(surface[i].folds, 0);
         assert_true(fabs(surface[i].volume / surface[i].voxel_volume - 1.0) < 0.01);
@@ -106,14 +102,13 @@ TEST(closes_noise)
     grid.size[2] = 11;
     for (round = 1; round < 8; round++) {
         host_label_map map = make_map(&grid, 1);
-        host_label_surface *surface = NULL;
         size_t v = 0;
         for (v = 0; v < host_label_voxels(&map); v++) {
             seed = seed * 1664525u + 1013904223u;
             if ((seed >> 24) < 32u * round)
                 set_voxel(&map, v, 1);
         }
-        surface = surfaces_of(&map);
+        host_label_surface *surface = surfaces_of(&map);
         assert_true(is_closed(&surface[0].mesh));
         assert_true(dice_of(&surface[0].mesh, &grid, map.index, NULL) >= 1.0);
         host_label_surfaces_free(surface, 1);
@@ -194,13 +189,12 @@ static int try_map(const char *path)
 {
     host_label_map map;
     host_error error = {0};
-    uint32_t i = 0;
     if (host_label_map_read(path, NULL, &map, &error) != 0) {
         assert_true(error.place[0] != '\0' && error.expected[0] != '\0' && map.n_labels == 0);
         return 0;
     }
     assert_true(map.n_labels >= 1 && map.n_labels <= SMR_STRUCTURES_MAX);
-    for (i = 0; i < map.n_labels; i++)
+    for (uint32_t i = 0; i < map.n_labels; i++)
         assert_true(map.label[i].name[0] != '\0' && strchr(map.label[i].name, '/') == NULL &&
                     map.label[i].name[0] != '.' && map.label[i].layer < map.n_layers);
     if (map.grid.spacing[0] < 1e3f && map.grid.spacing[1] < 1e3f && map.grid.spacing[2] < 1e3f) {
@@ -242,10 +236,9 @@ TEST(refuses_long_axes)
     host_volume grid = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1);
     host_label_surface surface[1];
     host_error error = {0};
-    host_label_map map;
     grid.size[0] = 16777217;
     grid.size[1] = grid.size[2] = 1;
-    map = make_map(&grid, 1);
+    host_label_map map = make_map(&grid, 1);
     set_voxel(&map, 5, 1);
     assert_int_equal(host_label_surfaces_make(&label_port.port, &map, 0, 0, surface, &error), -1);
     assert_string_equal(error.place, "size");

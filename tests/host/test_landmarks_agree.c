@@ -21,13 +21,12 @@ static pairs make(oracle_random *r, double noise)
     const double axis[3] = {0.6, 0.0, 0.8};
     double turn[9];
     pairs p;
-    int i = 0, c = 0;
     oracle_turn(axis, 0.7, turn);
-    for (i = 0; i < PAIRS; i++)
-        for (c = 0; c < 3; c++)
+    for (int i = 0; i < PAIRS; i++)
+        for (int c = 0; c < 3; c++)
             p.from[i][c] = (float)oracle_uniform(r, -200.0, 200.0);
-    for (i = 0; i < PAIRS; i++)
-        for (c = 0; c < 3; c++)
+    for (int i = 0; i < PAIRS; i++)
+        for (int c = 0; c < 3; c++)
             p.to[i][c] = (float)(0.9 * (turn[3 * c] * (double)p.from[i][0] + turn[3 * c + 1] * (double)p.from[i][1] +
                                         turn[3 * c + 2] * (double)p.from[i][2]) +
                                  50.0 + oracle_uniform(r, -noise, noise));
@@ -37,8 +36,7 @@ static pairs make(oracle_random *r, double noise)
 TEST(people_agree)
 {
     oracle_random r = oracle_seed(1);
-    int run = 0;
-    for (run = 0; run < RUNS; run++) {
+    for (int run = 0; run < RUNS; run++) {
         const pairs p = make(&r, 20.0);
         const host_landmark_doubt doubt = host_landmarks_agree(p.from[0], p.to[0], PAIRS);
         assert_int_equal(doubt.kind, HOST_LANDMARKS_AGREE);

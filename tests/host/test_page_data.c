@@ -121,21 +121,20 @@ enum { SIDE = 20 };
 static host_mesh make_sheet(void)
 {
     host_mesh mesh;
-    uint32_t i = 0, k = 0;
     memset(&mesh, 0, sizeof mesh);
     mesh.n_vertices = (SIDE + 1) * (SIDE + 1);
     mesh.xyz = calloc(3u * mesh.n_vertices, sizeof *mesh.xyz);
     mesh.triangles = calloc(6u * SIDE * SIDE, sizeof *mesh.triangles);
     assert_non_null(mesh.xyz);
     assert_non_null(mesh.triangles);
-    for (i = 0; i < mesh.n_vertices; i++) {
+    for (uint32_t i = 0; i < mesh.n_vertices; i++) {
         mesh.xyz[3u * i] = (float)(i % (SIDE + 1)) - 7.0f;
         mesh.xyz[3u * i + 1u] = (float)(i / (SIDE + 1));
     }
-    for (i = 0; i < SIDE * SIDE; i++) {
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
         const uint32_t a = i / SIDE * (SIDE + 1) + i % SIDE,
                        cell[6] = {a, a + 1, a + SIDE + 1, a + SIDE + 2, a + SIDE + 1, a + 1};
-        for (k = 0; k < 6; k++)
+        for (uint32_t k = 0; k < 6; k++)
             mesh.triangles[6u * i + k] = cell[k];
     }
     mesh.n_triangles = 2 * SIDE * SIDE;
@@ -146,7 +145,6 @@ TEST(thinning_leaves_a_surface)
 {
     host_mesh mesh = make_sheet();
     host_page_mesh thin;
-    uint32_t i = 0;
     assert_int_equal(host_page_thin(&mesh, 0.0f, &thin), 0);
     assert_int_equal(thin.n_vertices, mesh.n_vertices);
     assert_int_equal(thin.n_triangles, mesh.n_triangles);
@@ -155,12 +153,12 @@ TEST(thinning_leaves_a_surface)
     assert_int_equal(host_page_thin(&mesh, 4.0f, &thin), 0);
     assert_true(thin.n_vertices >= 25 && thin.n_vertices <= 42); /* cubes of 4 mm over 20 mm */
     assert_true(thin.n_triangles >= 30 && thin.n_triangles < 100);
-    for (i = 0; i < 3u * thin.n_triangles; i++)
+    for (uint32_t i = 0; i < 3u * thin.n_triangles; i++)
         assert_true(thin.triangles[i] < thin.n_vertices);
-    for (i = 0; i < thin.n_triangles; i++)
+    for (uint32_t i = 0; i < thin.n_triangles; i++)
         assert_true(thin.triangles[3u * i] != thin.triangles[3u * i + 1u] &&
                     thin.triangles[3u * i] != thin.triangles[3u * i + 2u]);
-    for (i = 1; i < thin.n_vertices; i++)
+    for (uint32_t i = 1; i < thin.n_vertices; i++)
         assert_true(thin.keep[i] > thin.keep[i - 1u]);
     host_page_mesh_free(&thin);
     host_mesh_free(&mesh);

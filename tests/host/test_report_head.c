@@ -34,11 +34,10 @@ static size_t make(char *text) { return (size_t)snprintf(text, ROOM, good, host_
 static int parse(const char *text, size_t n, host_report_head *head, host_error *error)
 {
     char *const copy = malloc(n + (n == 0));
-    int result = 0;
     assert_non_null(copy);
     memcpy(copy, text, n);
     memset(error, 0, sizeof *error);
-    result = host_report_parse(copy, n, head, error);
+    int result = host_report_parse(copy, n, head, error);
     free(copy);
     return result;
 }
@@ -65,9 +64,8 @@ TEST(a_report_is_read)
 static size_t changed(char *text, const char *from, const char *to)
 {
     char whole[ROOM];
-    char *at = NULL;
     (void)make(whole);
-    at = strstr(whole, from);
+    char *at = strstr(whole, from);
     assert_non_null(at);
     return (size_t)snprintf(text, ROOM, "%.*s%s%s", (int)(at - whole), whole, to, at + strlen(from));
 }
@@ -113,11 +111,10 @@ TEST(long_lists_end)
     host_report_head head;
     host_error error;
     char start[ROOM];
-    uint32_t i = 0;
     (void)changed(start, "\"b\\n\"", "");
     *strstr(start, "\n  ],") = '\0';
     host_buffer_print(&text, "%s \"%0999d\"", start, 7);
-    for (i = 0; i < 100; i++)
+    for (uint32_t i = 0; i < 100; i++)
         host_buffer_print(&text, ", \"reason\"");
     (void)make(start);
     host_buffer_print(&text, "%s", strstr(start, "\n  ],"));
@@ -126,7 +123,7 @@ TEST(long_lists_end)
     assert_int_equal(strlen(head.verdict.reason[1]), HOST_REASON_BYTES - 1u);
     host_report_free(&head);
     text.size -= 4;
-    for (i = 0; i < SMR_STRUCTURES_MAX; i++)
+    for (uint32_t i = 0; i < SMR_STRUCTURES_MAX; i++)
         host_buffer_print(&text, ", {\"name\": \"x\", \"verdict\": \"good\"}");
     host_buffer_print(&text, "]}");
     assert_int_equal(parse((const char *)text.data, text.size, &head, &error), -1);
@@ -180,8 +177,7 @@ static void check_line_and_page(const host_cases *cases)
 static size_t damage(char *text, size_t n, oracle_random *r)
 {
     const uint32_t times = 1u + oracle_next(r) % 4u;
-    uint32_t i = 0;
-    for (i = 0; i < times; i++) {
+    for (uint32_t i = 0; i < times; i++) {
         const size_t at = oracle_next(r) % n;
         switch (oracle_next(r) % 4u) {
         case 0: text[at] = (char)(unsigned char)(oracle_next(r) & 255u); break;
@@ -263,10 +259,9 @@ static int is_done(const directory *d, const char *text, size_t n)
 {
     host_report_head head;
     char why[HOST_WHY_BYTES];
-    int done = 0;
     write_bytes(d->report, text, n);
     memset(why, 1, sizeof why);
-    done = host_report_done(&d->options, &head, why);
+    int done = host_report_done(&d->options, &head, why);
     assert_non_null(memchr(why, 0, sizeof why));
     assert_int_equal(done, why[0] == '\0');
     assert_int_equal(done, head.n_parts > 0);
@@ -280,12 +275,11 @@ TEST(damaged_reports_are_done_or_not)
     char text[ROOM], dotted[80];
     oracle_random r = oracle_seed(6);
     directory d;
-    size_t n = 0;
     int i = 0, done = 0;
     memset(&d, 0, sizeof d);
     (void)snprintf(d.path, sizeof d.path, "/tmp/report_head.XXXXXX");
     assert_non_null(mkdtemp(d.path));
-    n = make_done(&d, text);
+    size_t n = make_done(&d, text);
     assert_true(is_done(&d, text, n));
     for (i = 0; i < 600; i++) {
         n = make_done(&d, text);
@@ -319,8 +313,7 @@ TEST(order_is_natural)
         "",  "a",   "a/1", "a/2", "a/02b", "a/10", "a1", "a9999999999999999999999", "a10000000000000000000000",
         "b", "b01", "b1",  "b1c", "c"};
     const size_t n = sizeof sorted / sizeof sorted[0];
-    size_t i = 0, k = 0;
-    for (i = 0; i < n; i++)
-        for (k = 0; k < n; k++)
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++)
             assert_int_equal(host_natural_order(sorted[i], sorted[k]), (i > k) - (i < k));
 }

@@ -18,12 +18,11 @@ static double integral(const smr_mesh *mesh, const unsigned char *seen, int px, 
 {
     host_samples s;
     double sum = 0.0;
-    size_t i = 0;
     float *weight = NULL;
     assert_int_equal(host_samples_make(mesh, &s), 0);
     weight = test_malloc(s.n * sizeof *weight);
     host_samples_weigh(&s, mesh, seen, weight);
-    for (i = 0; i < s.n; i++)
+    for (size_t i = 0; i < s.n; i++)
         if (weight[i] >= 0.0f)
             sum += (double)weight[i] * pow((double)s.xyz[3u * i], px) * pow((double)s.xyz[3u * i + 1u], py);
     test_free(weight);
@@ -33,9 +32,8 @@ static double integral(const smr_mesh *mesh, const unsigned char *seen, int px, 
 
 TEST(integrates_cubics_exactly)
 {
-    int px = 0, py = 0;
-    for (px = 0; px <= 3; px++)
-        for (py = 0; px + py <= 3; py++) {
+    for (int px = 0; px <= 3; px++)
+        for (int py = 0; px + py <= 3; py++) {
             const double exact = pow(10.0, px + 1) / (px + 1) * pow(10.0, py + 1) / (py + 1);
             const double found = integral(&square, NULL, px, py);
             assert_true(fabs(found - exact) <= 1e-6 * exact);

@@ -46,11 +46,9 @@ static host_label_surface *surface_of(int (*inside)(const double p[3]), uint32_t
     host_label_map map;
     host_error error = {0};
     host_label label;
-    size_t v = 0;
-    uint32_t k = 0;
     memset(&map, 0, sizeof map);
     memset(&label, 0, sizeof label);
-    for (k = 0; k < 3u; k++) {
+    for (uint32_t k = 0; k < 3u; k++) {
         map.grid.size[k] = SIDE;
         map.grid.spacing[k] = 1.0f;
         map.grid.direction[4u * k] = 1.0f;
@@ -60,7 +58,7 @@ static host_label_surface *surface_of(int (*inside)(const double p[3]), uint32_t
     map.index = calloc(host_label_voxels(&map), sizeof *map.index);
     assert_non_null(surface);
     assert_non_null(map.index);
-    for (v = 0; v < host_label_voxels(&map); v++) {
+    for (size_t v = 0; v < host_label_voxels(&map); v++) {
         const double p[3] = {(double)(v % SIDE) - 23.3, (double)(v / SIDE % SIDE) - 23.7,
                              (double)(v / SIDE / SIDE) - 23.5};
         map.index[v] = (uint16_t)inside(p);
@@ -78,9 +76,8 @@ static double farthest(const host_mesh *a, const host_mesh *b)
     void *memory = NULL;
     const smr_surface *const surface = host_surface_make(&view, &memory);
     double most = 0.0;
-    uint32_t i = 0;
     assert_non_null(surface);
-    for (i = 0; i < a->n_vertices; i++) {
+    for (uint32_t i = 0; i < a->n_vertices; i++) {
         smr_closest hit;
         memset(&hit, 0, sizeof hit);
         assert_int_equal(smr_surface_closest(surface, a->xyz + 3u * (size_t)i, NULL, -1.0f, 100.0f, &hit), SMR_OK);
@@ -112,8 +109,7 @@ static double check_thin(unsigned s, const host_label_surface *whole, uint32_t m
 
 TEST(keeps_shapes)
 {
-    unsigned s = 0;
-    for (s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
+    for (unsigned s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
         host_label_surface *const whole = surface_of(thinned[s].inside, 0);
         const double fine = check_thin(s, whole, 2500), middle = check_thin(s, whole, 800),
                      coarse = check_thin(s, whole, 200);
@@ -126,8 +122,7 @@ TEST(keeps_shapes)
 /* As far down as it goes: a closed surface of four triangles or more, a torus of more. */
 TEST(ends_closed)
 {
-    unsigned s = 0;
-    for (s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
+    for (unsigned s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
         host_label_surface *const whole = surface_of(thinned[s].inside, 0);
         host_mesh *const mesh = &whole->mesh;
         const uint32_t n = mesh->n_triangles, v = mesh->n_vertices;

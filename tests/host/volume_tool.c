@@ -42,9 +42,8 @@ static int read_volume(const char *path, host_volume *volume)
 
 static void print_row(const char *name, const float *values, int n)
 {
-    int i = 0;
     printf(" %s", name);
-    for (i = 0; i < n; i++) /* adding 0 makes -0 of rounding print as 0 */
+    for (int i = 0; i < n; i++) /* adding 0 makes -0 of rounding print as 0 */
         printf(" %.3f", round((double)values[i] * 1e3) / 1e3 + 0.0);
 }
 
@@ -94,12 +93,11 @@ static int print_voxel(const char *path, char **index)
 static int print_where(const char *path, char **index)
 {
     host_volume volume;
-    int i = 0, j = 0;
     if (read_volume(path, &volume) != 0)
         return 2;
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         double at = (double)volume.origin[i];
-        for (j = 0; j < 3; j++)
+        for (int j = 0; j < 3; j++)
             at += (double)volume.direction[3 * i + j] * (double)volume.spacing[j] * atof(index[j]);
         printf("%.6f%c", at, i < 2 ? ' ' : '\n');
     }
@@ -118,8 +116,7 @@ static int write_file(const char *path, const unsigned char *data, size_t n)
 
 static void put_bits(unsigned char *to, uint64_t bits, size_t n, int big)
 {
-    size_t i = 0;
-    for (i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         to[i] = (unsigned char)(bits >> 8 * (big ? n - 1u - i : i));
 }
 
@@ -134,8 +131,7 @@ static void put_float(unsigned char *to, float value, int big)
 static size_t sample(size_t type, int big, unsigned char *to)
 {
     const size_t bytes = host_type_bytes(types[type].type);
-    int i = 0;
-    for (i = 0; i < VOXELS; i++) {
+    for (int i = 0; i < VOXELS; i++) {
         const int less = types[type].name[0] == 'u' ? 0 : 40;
         const int v = i % SIZE_X + 7 * (i / SIZE_X % SIZE_Y) + 31 * (i / SIZE_X / SIZE_Y) - less;
         const double d = v;
@@ -159,9 +155,8 @@ static int make_nifti(const char *form, const char *type_name, int big, const ch
     const double c = sqrt(0.75), turn[3][3] = {{-c, 0.5, 0.0}, {-0.5, -c, 0.0}, {0.0, 0.0, 1.0}};
     const double origin[3] = {-10.0, 20.0, 30.0};
     unsigned char data[352 + 8 * VOXELS] = {0};
-    size_t i = 0, j = 0;
     put_bits(data, 348, 4, big);
-    for (i = 0; i < 8; i++)
+    for (size_t i = 0; i < 8; i++)
         put_bits(data + 40 + 2 * i, i == 0 ? 3 : i == 1 ? SIZE_X : i == 2 ? SIZE_Y : i == 3 ? SIZE_Z : 1, 2, big);
     put_bits(data + 70, (uint64_t)types[type].code, 2, big);
     put_bits(data + 72, 8u * host_type_bytes(types[type].type), 2, big);
@@ -171,10 +166,10 @@ static int make_nifti(const char *form, const char *type_name, int big, const ch
     put_bits(data + 252, form[0] == 'q', 2, big);
     put_bits(data + 254, form[0] == 's', 2, big);
     put_float(data + 264, -0.96592583f, big);
-    for (i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++) {
         put_float(data + 80 + 4 * i, (float)spacing[i], big);
         put_float(data + 268 + 4 * i, (float)origin[i], big);
-        for (j = 0; j < 3; j++)
+        for (size_t j = 0; j < 3; j++)
             put_float(data + 280 + 16 * i + 4 * j, (float)(turn[i][j] * spacing[j]), big);
         put_float(data + 292 + 16 * i, (float)origin[i], big);
     }
@@ -210,18 +205,16 @@ static int make_zlib(const char *raw_path, const char *gzip_path, const char *ou
 {
     host_bytes raw, packed;
     uint32_t a = 1, b = 0;
-    size_t i = 0;
-    int result = 0;
     if (read_bytes(raw_path, &raw) != 0 || read_bytes(gzip_path, &packed) != 0 || packed.size < 18u)
         return 2;
-    for (i = 0; i < raw.size; i++) {
+    for (size_t i = 0; i < raw.size; i++) {
         a = (a + raw.data[i]) % 65521u;
         b = (b + a) % 65521u;
     }
     packed.data[8] = 0x78;
     packed.data[9] = 0x9c;
     put_bits(packed.data + packed.size - 8u, (b << 16) | a, 4, 1);
-    result = write_file(out, packed.data + 8, packed.size - 12u);
+    int result = write_file(out, packed.data + 8, packed.size - 12u);
     free(raw.data);
     free(packed.data);
     return result;
@@ -231,12 +224,11 @@ static int print_landmarks(const char *path)
 {
     host_landmarks set;
     host_error error = {0};
-    uint32_t i = 0;
     if (host_landmarks_read(path, &set, &error) != 0) {
         host_error_print(&error);
         return 2;
     }
-    for (i = 0; i < set.n; i++)
+    for (uint32_t i = 0; i < set.n; i++)
         printf("%s: %.3f %.3f %.3f\n", set.label[i], (double)set.xyz[i][0], (double)set.xyz[i][1],
                (double)set.xyz[i][2]);
     return 0;
@@ -267,7 +259,6 @@ static int try_volume(const unsigned char *data, size_t n, const char *path)
     host_volume volume;
     host_volume_reader reader;
     host_error error = {0};
-    int good = 0;
     if (copy == NULL)
         abort();
     memcpy(copy, data, n);
@@ -276,9 +267,9 @@ static int try_volume(const unsigned char *data, size_t n, const char *path)
     reader.volume = &volume;
     reader.error = &error;
     reader.path = path;
-    good = (strstr(path, ".nii") != NULL    ? host_read_nifti(&reader, copy, n)
-            : strstr(path, ".nrrd") != NULL ? host_read_nrrd(&reader, copy, n)
-                                            : host_read_metaimage(&reader, copy, n)) == 0;
+    int good = (strstr(path, ".nii") != NULL    ? host_read_nifti(&reader, copy, n)
+                : strstr(path, ".nrrd") != NULL ? host_read_nrrd(&reader, copy, n)
+                                                : host_read_metaimage(&reader, copy, n)) == 0;
     if (!good && (error.place[0] == '\0' || error.expected[0] == '\0'))
         abort();
     if (good &&
@@ -295,14 +286,13 @@ static int try_landmarks(const unsigned char *data, size_t n, const char *path)
     char *const copy = malloc(n > 0 ? n : 1u);
     static host_landmarks set;
     host_error error = {0};
-    int good = 0;
     if (copy == NULL)
         abort();
     memcpy(copy, data, n);
     memset(&set, 0, sizeof set);
-    good = (strstr(path, ".json") != NULL
-                ? host_read_markups(&set, copy, n, &error)
-                : host_read_landmark_table(&set, copy, n, strstr(path, ".fcsv") != NULL, &error)) == 0;
+    int good = (strstr(path, ".json") != NULL
+                    ? host_read_markups(&set, copy, n, &error)
+                    : host_read_landmark_table(&set, copy, n, strstr(path, ".fcsv") != NULL, &error)) == 0;
     if ((!good && error.place[0] == '\0') || set.n > HOST_LANDMARKS_MAX)
         abort();
     free(copy);
@@ -321,11 +311,10 @@ static uint32_t next_random(uint32_t *state)
 static int fuzz(const char *path, int n, uint32_t seed, int (*try_one)(const unsigned char *, size_t, const char *))
 {
     host_bytes whole;
-    unsigned char *damaged = NULL;
     int i = 0, k = 0, good = 0;
     if (read_bytes(path, &whole) != 0 || whole.size == 0)
         return 2;
-    damaged = malloc(whole.size);
+    unsigned char *damaged = malloc(whole.size);
     if (damaged == NULL)
         return 2;
     seed = seed * 2654435761u + 1u;

@@ -135,8 +135,7 @@ int main(void)
     static target_scene scene;
     static target_clock clock;
     smr_baremetal board;
-    int good;
     clock.port = smr_baremetal_port(&board);
-    good = target_ok("scene", target_set_up(&target_cases[0], &scene)) && target_judge(&scene, &clock);
+    int good = target_ok("scene", target_set_up(&target_cases[0], &scene)) && target_judge(&scene, &clock);
     return good ? 0 : 1;
 }
