@@ -5,23 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/model.h"
-#include "property/rig.h"
-
-static uint32_t index_at(const smr_lists *l, size_t i)
-{
-    return l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->index)[i]) : smr_le32(((const uint32_t *)l->index)[i]);
-}
-
-static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
-{
-    if (l->index_bytes == 4u) {
-        const smr_entry32 *e = (const smr_entry32 *)l->entry + i;
-        return (smr_entry32){smr_le32(e->vertex), smr_le32(e->parent), smr_le32(e->n_plus), smr_le32(e->n_minus)};
-    }
-    const smr_entry16 *e = (const smr_entry16 *)l->entry + i;
-    return (smr_entry32){smr_le16(e->vertex), smr_le16(e->parent), smr_le16(e->n_plus), smr_le16(e->n_minus)};
-}
+#include "unit/unit_lists.h"
 
 static void decode_chain(const smr_lists *l, rig_lists *out)
 {
@@ -37,13 +21,13 @@ static void decode_chain(const smr_lists *l, rig_lists *out)
         const uint32_t first = smr_le32(l->block[b].first), last = smr_le32(l->block[b + 1u].first);
         size_t at = smr_le32(l->block[b].first_index);
         for (uint32_t i = first; i < last; i++) {
-            const smr_entry32 e = entry_at(l, i);
+            const smr_entry32 e = unit_list_entry(l, i);
             out->vertex[i] = e.vertex;
-            out->parent[i] = entry_at(l, first + e.parent).vertex;
+            out->parent[i] = unit_list_entry(l, first + e.parent).vertex;
             for (uint32_t k = 0; k < e.n_plus; k++)
-                out->plus[n_plus++] = index_at(l, at++);
+                out->plus[n_plus++] = unit_list_index(l, at++);
             for (uint32_t k = 0; k < e.n_minus; k++)
-                out->minus[n_minus++] = index_at(l, at++);
+                out->minus[n_minus++] = unit_list_index(l, at++);
             out->plus_start[i + 1u] = (uint32_t)n_plus;
             out->minus_start[i + 1u] = (uint32_t)n_minus;
         }

@@ -14,28 +14,19 @@ typedef struct step {
     uint32_t vertex, parent_vertex, root, n_plus, n_minus, at, first;
 } step;
 
-static uint32_t index_at(const smr_lists *l, uint32_t i)
+uint32_t unit_list_index(const smr_lists *l, size_t i)
 {
     return l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->index)[i]) : smr_le32(((const uint32_t *)l->index)[i]);
 }
 
-static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
+smr_entry32 unit_list_entry(const smr_lists *l, uint32_t i)
 {
-    smr_entry32 e = {0, 0, 0, 0};
-    if (l->index_bytes == 2u) {
-        const smr_entry16 *p = (const smr_entry16 *)l->entry + i;
-        e.vertex = smr_le16(p->vertex);
-        e.parent = smr_le16(p->parent);
-        e.n_plus = smr_le16(p->n_plus);
-        e.n_minus = smr_le16(p->n_minus);
-    } else {
-        const smr_entry32 *p = (const smr_entry32 *)l->entry + i;
-        e.vertex = smr_le32(p->vertex);
-        e.parent = smr_le32(p->parent);
-        e.n_plus = smr_le32(p->n_plus);
-        e.n_minus = smr_le32(p->n_minus);
+    if (l->index_bytes == 4u) {
+        const smr_entry32 *e = (const smr_entry32 *)l->entry + i;
+        return (smr_entry32){smr_le32(e->vertex), smr_le32(e->parent), smr_le32(e->n_plus), smr_le32(e->n_minus)};
     }
-    return e;
+    const smr_entry16 *e = (const smr_entry16 *)l->entry + i;
+    return (smr_entry32){smr_le16(e->vertex), smr_le16(e->parent), smr_le16(e->n_plus), smr_le16(e->n_minus)};
 }
 
 static walk walk_start(const smr_model *m, uint32_t radius)
@@ -54,11 +45,11 @@ static int walk_next(walk *w, step *s)
         w->at = smr_le32(w->l.block[w->block].first_index);
     }
     const uint32_t first = smr_le32(w->l.block[w->block].first);
-    const smr_entry32 e = entry_at(&w->l, w->entry);
+    const smr_entry32 e = unit_list_entry(&w->l, w->entry);
     s->first = first;
     s->vertex = e.vertex;
     s->root = first + e.parent == w->entry;
-    s->parent_vertex = entry_at(&w->l, first + e.parent).vertex;
+    s->parent_vertex = unit_list_entry(&w->l, first + e.parent).vertex;
     s->n_plus = e.n_plus;
     s->n_minus = e.n_minus;
     s->at = w->at;
@@ -82,9 +73,9 @@ void unit_chain_sums(const smr_model *m, uint32_t radius, const uint32_t *record
     while (walk_next(&w, &s)) {
         uint32_t acc = s.root ? 0u : sum[s.parent_vertex];
         for (uint32_t i = 0; i < s.n_plus; i++)
-            acc += record[index_at(&w.l, s.at + i)];
+            acc += record[unit_list_index(&w.l, s.at + i)];
         for (uint32_t i = 0; i < s.n_minus; i++)
-            acc -= record[index_at(&w.l, s.at + s.n_plus + i)];
+            acc -= record[unit_list_index(&w.l, s.at + s.n_plus + i)];
         sum[s.vertex] = acc;
     }
 }
@@ -104,8 +95,8 @@ int unit_chain_sets(const smr_model *m, uint32_t radius, unsigned char *member)
         if (!s.root)
             memcpy(own, member + (size_t)s.parent_vertex * n, n);
         for (uint32_t i = 0; i < s.n_plus + s.n_minus; i++) {
-            const uint32_t k = index_at(&w.l, s.at + i);
-            good &= i == 0u || i == s.n_plus || index_at(&w.l, s.at + i - 1u) < k;
+            const uint32_t k = unit_list_index(&w.l, s.at + i);
+            good &= i == 0u || i == s.n_plus || unit_list_index(&w.l, s.at + i - 1u) < k;
             good &= own[k] == (i >= s.n_plus);
             own[k] = i < s.n_plus;
         }

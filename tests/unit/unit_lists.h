@@ -6,6 +6,10 @@
 #include "model/model.h"
 #include "unit_mesh.h"
 
+/* Number i of a radius' index list, and its entry i, of 16 or 32 bits in the image. */
+uint32_t unit_list_index(const smr_lists *l, size_t i);
+smr_entry32 unit_list_entry(const smr_lists *l, uint32_t i);
+
 /* Random records of one word per stored vertex. */
 uint32_t *unit_records(oracle_random *r, uint32_t n);
 
