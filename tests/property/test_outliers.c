@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "registration/registration.h"
-#include "rig.h"
+#include "rig_cloud.h"
 #include "unit/oracle.h"
 
 static smr_mesh source, target;
@@ -117,10 +117,9 @@ static smr *onto_points(double strays, smr_verdict *verdict)
 {
     oracle_random r = oracle_seed(5);
     smr_config config = smr_config_default();
-    smr_points *cloud = NULL;
     const uint32_t n = target.n_vertices;
+    smr_points *const cloud = rig_cloud(n);
     config.basic.n_target_vertices = n;
-    assert_int_equal(SMR_OK, smr_points_open(n, rig_alloc(SMR_POINTS_BYTES(n)), SMR_POINTS_BYTES(n), &cloud));
     for (uint32_t v = 0; v < n; v++) {
         float p[3];
         memcpy(p, target.xyz + 3u * (size_t)v, sizeof p);

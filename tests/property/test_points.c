@@ -22,13 +22,6 @@ static void set_up(void)
     model = pair.model;
 }
 
-static smr_points *new_cloud(uint32_t capacity)
-{
-    smr_points *cloud = rig_cloud(capacity);
-    assert_non_null(cloud);
-    return cloud;
-}
-
 typedef rig_point point;
 
 static void add(smr_points *cloud, const point *p) { assert_int_equal(SMR_OK, rig_cloud_add(cloud, p)); }
@@ -102,8 +95,8 @@ static void begin_run(uint32_t seed)
     memset(&r, 0, sizeof r);
     r.seed = seed;
     for (uint32_t k = 0; k < CLOUDS; k++) {
-        r.cloud[k] = new_cloud(CAPACITY);
-        r.again[k] = new_cloud(CAPACITY);
+        r.cloud[k] = rig_cloud(CAPACITY);
+        r.again[k] = rig_cloud(CAPACITY);
     }
 }
 
@@ -220,7 +213,7 @@ static float mean_difference(const float *a, const float *b)
 static float *radii_by(uint32_t seed, float noise)
 {
     enum { MANY = 1500 };
-    smr_points *cloud = new_cloud(MANY);
+    smr_points *cloud = rig_cloud(MANY);
     float *radius = rig_alloc(part[0].n_vertices * sizeof(float));
     smr_verdict verdict;
     for (uint32_t i = 0; i < MANY; i++) {
@@ -252,7 +245,7 @@ TEST(test_noise_averages)
 TEST(test_workers_change_no_bit)
 {
     set_up();
-    smr_points *cloud = new_cloud(CAPACITY);
+    smr_points *cloud = rig_cloud(CAPACITY);
     uint32_t seed = 11;
     uint64_t hash = 0;
     for (uint32_t i = 0; i < CAPACITY; i++) {
@@ -271,7 +264,7 @@ TEST(test_workers_change_no_bit)
 TEST(test_noise_pulls_nothing)
 {
     set_up();
-    smr_points *cloud = new_cloud(CAPACITY);
+    smr_points *cloud = rig_cloud(CAPACITY);
     smr_config c = smr_config_default();
     smr_tick_report report = {0};
     float *radius[3];
@@ -320,7 +313,7 @@ TEST(test_one_side)
 {
     set_up();
     static const float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, shift[3] = {3, 1, -2};
-    smr_points *cloud = new_cloud(CAPACITY);
+    smr_points *cloud = rig_cloud(CAPACITY);
     unsigned char *seen = rig_alloc(part[0].n_vertices);
     const smr_mesh truth = rig_moved(&part[0], turn, shift);
     float *xyz = rig_alloc(3u * part[0].n_vertices * sizeof *xyz);
@@ -357,7 +350,7 @@ TEST(test_moved_inputs)
                             {turn[3], turn[4], turn[5], far[1]},
                             {turn[6], turn[7], turn[8], far[2]}}};
     for (uint32_t k = 0; k < 2u; k++) {
-        smr_points *cloud = new_cloud(BONE);
+        smr_points *cloud = rig_cloud(BONE);
         smr_config c = smr_config_default();
         c.basic.n_target_vertices = BONE;
         c.partial.coverage =

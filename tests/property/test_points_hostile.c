@@ -21,13 +21,6 @@ static void set_up(void)
     model = pair.model;
 }
 
-static smr_points *new_cloud(uint32_t capacity)
-{
-    smr_points *cloud = rig_cloud(capacity);
-    assert_non_null(cloud);
-    return cloud;
-}
-
 typedef rig_point point;
 
 static void add(smr_points *cloud, const point *p) { assert_int_equal(SMR_OK, rig_cloud_add(cloud, p)); }
@@ -38,7 +31,7 @@ TEST(test_refused)
 {
     set_up();
     static const float bad[] = {NAN, INFINITY, 1.1e5f, -2e5f};
-    smr_points *cloud = new_cloud(4), *out = cloud;
+    smr_points *cloud = rig_cloud(4), *out = cloud;
     smr_surface *surface = NULL;
     unsigned char *memory = rig_alloc(4096);
     point p = {{20, 2, 3}, {0, 0, 2}, 1};
@@ -76,7 +69,7 @@ TEST(test_refused)
 TEST(test_set_points)
 {
     set_up();
-    smr_points *cloud = new_cloud(4);
+    smr_points *cloud = rig_cloud(4);
     smr_config c = smr_config_default();
     unsigned char *memory = rig_alloc(4096);
     smr_tick_report report;
@@ -118,7 +111,7 @@ TEST(test_hostile_points)
     uint32_t seed = 77;
     for (uint32_t n = 0; n < 40u; n++) {
         const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
-        smr_points *cloud = new_cloud(CAPACITY);
+        smr_points *cloud = rig_cloud(CAPACITY);
         smr_config c = rig_cloud_config(&seed);
         c.basic.n_workers = 1;
         c.basic.search_mm = 1.0e5f;
@@ -147,7 +140,7 @@ TEST(test_hostile_points)
 TEST(test_copy_in_pieces)
 {
     set_up();
-    smr_points *cloud = new_cloud(CAPACITY);
+    smr_points *cloud = rig_cloud(CAPACITY);
     smr_surface *surface = NULL;
     smr_closest hit;
     uint32_t seed = 9, calls = 0;
@@ -188,7 +181,7 @@ TEST(test_copy_in_pieces)
 TEST(test_nearest_point)
 {
     set_up();
-    smr_points *cloud = new_cloud(CAPACITY);
+    smr_points *cloud = rig_cloud(CAPACITY);
     smr_surface *surface = NULL;
     point all[CAPACITY];
     uint32_t seed = 4;

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "log/record/log_format.h"
+#include "property/rig_cloud.h"
 #include "registration/registration.h"
 
 enum { GIVEN = 12, AT_A_TIME = 40, LOG = SMR_LOG_BYTES(GIVEN * 2, GIVEN) };
@@ -19,14 +20,6 @@ typedef struct scene {
     smr_points *cloud;
 } scene;
 
-static smr_points *cloud_of(uint32_t capacity)
-{
-    const size_t bytes = SMR_POINTS_BYTES(capacity);
-    smr_points *cloud = NULL;
-    assert_int_equal(SMR_OK, smr_points_open(capacity, rig_alloc(bytes), bytes, &cloud));
-    return cloud;
-}
-
 static scene make(uint32_t track)
 {
     const smr_prepare_config radii = rig_radii(3, 110, 60, 35);
@@ -37,7 +30,7 @@ static scene make(uint32_t track)
     e.config = smr_config_default();
     e.config.basic.n_target_vertices = 6000;
     e.config.track.mode = track;
-    e.cloud = cloud_of(6000);
+    e.cloud = rig_cloud(6000);
     return e;
 }
 
@@ -131,7 +124,7 @@ TEST(test_replays_with_copies)
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     for (uint32_t i = 0; i < GIVEN; i++) {
         const float *more = e.goal.xyz + 3u * (size_t)(AT_A_TIME * i);
-        given[i] = cloud_of(2000);
+        given[i] = rig_cloud(2000);
         assert_int_equal(SMR_OK, smr_points_add(given[i], e.goal.xyz, NULL, NULL, AT_A_TIME * (i + 1u)));
         assert_int_equal(SMR_OK, smr_points_add(e.cloud, more, NULL, NULL, AT_A_TIME));
         assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, e.cloud));

@@ -6,53 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "log/record/log_format.h"
-#include "registration/registration.h"
-
-enum { LOG = SMR_LOG_BYTES(4000, 60) };
-
-/* A bone and targets of it that move. */
-typedef struct scene {
-    smr_mesh source, target;
-    const smr_model *model;
-    smr_config config;
-} scene;
-
-static scene make(uint32_t track)
-{
-    const smr_prepare_config radii = rig_radii(3, 110, 60, 35);
-    scene e;
-    rig_bone(12000, 1.0f, &e.source, &e.target);
-    e.model = rig_model(&e.source, 1, &radii);
-    e.config = smr_config_default();
-    e.config.basic.n_workers = 4;
-    e.config.basic.n_target_vertices = e.target.n_vertices;
-    e.config.track.mode = track;
-    return e;
-}
-
-/* The target turned about an axis through the origin, and shifted. */
-static smr_mesh turned(const scene *e, float degrees, float shift)
-{
-    const float t[3] = {shift, 0.5f * shift, -0.5f * shift};
-    float m[9];
-    rig_rotation(1, 2, 0.5f, degrees, m);
-    return rig_moved(&e->target, m, t);
-}
-
-static smr_tick_report until_settled(smr *s, uint32_t most)
-{
-    smr_tick_report r = {0};
-    do
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    while (!r.details.settled && !r.done && --most > 0u);
-    return r;
-}
+#include "unit_moving_bone.h"
 
 static smr *started(const scene *e, const smr_port *port)
 {
     smr *s = rig_init(e->model, &e->config, port);
-    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e->target)));
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, e->at[0]));
     const smr_tick_report r = until_settled(s, 1000);
     assert_int_equal(1, r.details.tracking);
     assert_int_equal(1, r.details.settled);
@@ -78,7 +37,7 @@ static double lag_of(const scene *e, int twice)
     for (uint32_t i = 1; i <= 12u; i++) {
         const float by = (float)i, t[3] = {by, 0.5f * by, -0.5f * by};
         float m[9];
-        const smr_mesh next = turned(e, 1.5f * by, by);
+        const smr_mesh next = turned(&e->target, 1.5f * by, by);
         const smr_surface *surface = rig_surface(&next);
         rig_rotation(1, 2, 0.5f, 1.5f * by, m);
         for (int k = 0; k <= twice; k++)
@@ -112,7 +71,7 @@ TEST(test_gives_up)
     e.config.track.iterations = 7;
     smr *s = started(&e, NULL);
     const uint32_t before = s->schedule.iteration;
-    const smr_mesh next = turned(&e, 2, 1);
+    const smr_mesh next = turned(&e.target, 2, 1);
     const smr_tick_report r = set(s, &next, 100);
     assert_int_equal(1, r.details.settled);
     assert_int_equal(before + 7u, r.iteration);
@@ -128,7 +87,7 @@ TEST(test_follows)
     float *before = rig_positions(s, e.model), *held = rig_alloc(3u * (size_t)n * sizeof(float));
     memcpy(held, s->shape.x, 3u * (size_t)n * sizeof(float));
     for (uint32_t i = 1; i <= 20u; i++) {
-        const smr_mesh next = turned(&e, 2.0f * (float)i, 0.25f * (float)i);
+        const smr_mesh next = turned(&e.target, 2.0f * (float)i, 0.25f * (float)i);
         const smr_tick_report r = set(s, &next, 100);
         assert_true(r.details.settled && !r.details.jumped && r.residual_mean_mm < 0.5f);
     }
@@ -152,7 +111,8 @@ TEST(test_jumps)
         const scene e = make(track);
         smr *s = started(&e, NULL);
         const uint32_t radius = s->schedule.radius;
-        const smr_mesh near = turned(&e, 1, 0.5f), away = turned(&e, 12, 20), lost = turned(&e, 0, 900);
+        const smr_mesh near = turned(&e.target, 1, 0.5f), away = turned(&e.target, 12, 20),
+                       lost = turned(&e.target, 0, 900);
         smr_tick_report r = set(s, &near, 100);
         assert_int_equal(0, r.details.jumped);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&away)));
@@ -187,11 +147,9 @@ TEST(test_jumps_with_its_side)
     static const float away[3] = {-40, 3, -2};
     scene e = make(SMR_TRACK_RECOVER);
     const uint32_t n = e.source.n_vertices;
-    void *memory = rig_alloc(SMR_POINTS_BYTES(n));
     smr_tick_report report = {0};
-    smr_points *cloud = NULL;
+    smr_points *const cloud = rig_cloud(n);
     float turn[9];
-    assert_int_equal(SMR_OK, smr_points_open(n, memory, SMR_POINTS_BYTES(n), &cloud));
     e.config.basic.n_target_vertices = n;
     e.model = rig_model(&e.source, 1, NULL);
     rig_rotation(1, 0, 1, -12, turn);
