@@ -142,6 +142,14 @@ void case_keep_facing(host_mesh *mesh, const double direction[3], double degrees
 
 /* ---- case_measure.c: a case as a directory, and how far a result is from its truth */
 
+/* What qsort() puts in the order of values, equal ones in that of places. */
+typedef struct case_ranked {
+    double value;
+    size_t at;
+} case_ranked;
+
+int case_by_value(const void *a, const void *b);
+
 /* DIR/model, truth, whole, target: NAME.ply each; DIR/names.txt: names, and a digit for each vertex, 0: not seen. */
 void case_write(const case_data *data, const char *directory);
 void case_read(case_data *data, const char *directory);

@@ -114,33 +114,19 @@ static void bend_mesh(host_mesh *mesh, const bend *b)
 
 /* ---- what is visible */
 
-typedef struct ranked {
-    double value, area;
-    uint32_t triangle;
-} ranked;
-
-static int by_value(const void *a, const void *b)
-{
-    const ranked *const x = a, *const y = b;
-    if (x->value != y->value)
-        return x->value < y->value ? -1 : 1;
-    return (x->triangle > y->triangle) - (x->triangle < y->triangle);
-}
-
 /* Keeps the triangles of the smallest values whose areas make the share; frees the values. */
 static void keep_share(host_mesh *mesh, double *value, double share)
 {
-    ranked *const list = case_alloc(mesh->n_triangles, sizeof *list);
+    case_ranked *const list = case_alloc(mesh->n_triangles, sizeof *list);
     unsigned char *const keep = case_alloc(mesh->n_triangles, 1);
     double left = share * case_area(mesh), n[3];
-    for (uint32_t t = 0; t < mesh->n_triangles; t++) {
-        case_normal(mesh, t, n);
-        list[t] = (ranked){value[t], 0.5 * case_length(n), t};
-    }
-    qsort(list, mesh->n_triangles, sizeof *list, by_value);
+    for (uint32_t t = 0; t < mesh->n_triangles; t++)
+        list[t] = (case_ranked){value[t], t};
+    qsort(list, mesh->n_triangles, sizeof *list, case_by_value);
     for (uint32_t t = 0; t < mesh->n_triangles && left > 0.0; t++) {
-        keep[list[t].triangle] = 1;
-        left -= list[t].area;
+        keep[list[t].at] = 1;
+        case_normal(mesh, (uint32_t)list[t].at, n);
+        left -= 0.5 * case_length(n);
     }
     free(list);
     free(value);

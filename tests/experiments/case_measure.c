@@ -120,14 +120,9 @@ case_figures case_measure(const case_data *data, const float *const *xyz)
 
 /* ---- expected errors */
 
-typedef struct ranked {
-    double value;
-    size_t at;
-} ranked;
-
-static int by_value(const void *a, const void *b)
+int case_by_value(const void *a, const void *b)
 {
-    const ranked *const x = a, *const y = b;
+    const case_ranked *const x = a, *const y = b;
     if (x->value != y->value)
         return x->value < y->value ? -1 : 1;
     return (x->at > y->at) - (x->at < y->at);
@@ -136,10 +131,10 @@ static int by_value(const void *a, const void *b)
 /* Replaces values by their ranks less the mean rank; equal values share theirs. */
 static void rank(double *value, size_t n)
 {
-    ranked *const list = case_alloc(n, sizeof *list);
+    case_ranked *const list = case_alloc(n, sizeof *list);
     for (size_t i = 0; i < n; i++)
-        list[i] = (ranked){value[i], i};
-    qsort(list, n, sizeof *list, by_value);
+        list[i] = (case_ranked){value[i], i};
+    qsort(list, n, sizeof *list, case_by_value);
     for (size_t i = 0, k = 0; i < n; i = k) {
         while (k < n && list[k].value <= list[i].value)
             k++;

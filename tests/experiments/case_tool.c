@@ -40,32 +40,29 @@ static void set_view(case_options *o, uint32_t seed)
     o->turn_deg = oracle_uniform(&r, 0.0, 10.0);
 }
 
+static const struct {
+    const char *name;
+    size_t at;
+} numbers[] = {{"share", offsetof(case_options, share)},       {"noise", offsetof(case_options, noise_mm)},
+               {"outliers", offsetof(case_options, outliers)}, {"deform", offsetof(case_options, deform_mm)},
+               {"sigma", offsetof(case_options, sigma_mm)},    {"shift", offsetof(case_options, shift_mm)},
+               {"turn", offsetof(case_options, turn_deg)}};
+
 static void set_option(case_options *o, const char *word)
 {
     const size_t n = strcspn(word, "=");
     const double value = atof(word + n + 1);
     for (int i = 0; strncmp(word, "part", n) == 0 && i < 5; i++)
         o->part = strcmp(word + n + 1, parts[i]) == 0 ? i : o->part;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        if (strncmp(word, numbers[i].name, n) == 0)
+            memcpy((char *)o + numbers[i].at, &value, sizeof value);
     if (strncmp(word, "seed", n) == 0)
         o->seed = (uint32_t)value;
     else if (strncmp(word, "view", n) == 0)
         set_view(o, (uint32_t)value);
-    else if (strncmp(word, "share", n) == 0)
-        o->share = value;
     else if (strncmp(word, "patches", n) == 0)
         o->patches = (int)value;
-    else if (strncmp(word, "noise", n) == 0)
-        o->noise_mm = value;
-    else if (strncmp(word, "outliers", n) == 0)
-        o->outliers = value;
-    else if (strncmp(word, "deform", n) == 0)
-        o->deform_mm = value;
-    else if (strncmp(word, "sigma", n) == 0)
-        o->sigma_mm = value;
-    else if (strncmp(word, "shift", n) == 0)
-        o->shift_mm = value;
-    else if (strncmp(word, "turn", n) == 0)
-        o->turn_deg = value;
 }
 
 static void do_make(char **word)
