@@ -17,7 +17,7 @@ static void add_vertices(const smr *s, const smr_shape_structure *one, int all, 
 
 /* Adds the distances of a structure's visible vertices in the pose to the planes through their goals. A goal lies at
  * the residual along the force from the position before, which x_next holds between iterations. Without a force (on the
- * target, within its noise, in a repair of folds, at the end in an image) it lies there, off by the residual at most. */
+ * target, within its noise, in a repair of folds, at the end in an image) it lies there, off by at most that. */
 static void add_distances(const smr *s, const smr_shape_structure *one, const smr_pose *pose, smr_mean *mean)
 {
     for (uint32_t i = 0; i < one->n_vertices; i++) {

@@ -242,7 +242,7 @@ TEST(test_goals_after_the_end)
     assert_true(verdict_of(s).level != SMR_VERDICT_GOOD && recovers(s));
 }
 
-/* A residual is measured by each complete iteration: on the target itself, within its noise, where folds are repaired. */
+/* A residual is measured by each complete iteration: on the target itself, within its noise, in repairs of folds. */
 TEST(test_pose_without_forces)
 {
     for (uint32_t noise = 0; noise < 2u; noise++) {

@@ -59,7 +59,7 @@ struct smr_log {
     uint32_t fresh;        /* 1: the registration has not changed since smr_init() */
 };
 
-/* Write the configuration as smr_log_config_words() words, and read n_words words of a log of this version. Errors: E_LOG
+/* Write the configuration, smr_log_config_words() words, and read n_words words of a log of this version. Errors: E_LOG
  * (other version, unknown or repeated setting, wrong length). Values are not checked. */
 void smr_log_put_config(unsigned char *to, const smr_config *config);
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);

@@ -1,5 +1,5 @@
 /* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the table
- * of settings; a missing setting has its default: budget_exact is written last, and only where it is 1. Before version 3
+ * of settings; a missing setting has its default: budget_exact is written last, only where it is 1. Before version 3
  * every target was whole. Version 1 has the struct of library 0.1 as it lay in memory: its words are the numbers up to
  * 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
