@@ -121,7 +121,7 @@ enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 /* config.basic: the settings that most programs change. The comment of each setting starts with unit, range and
  * default. A second default is that of smr_config_default_image(). */
 typedef struct smr_basic_config {
-    uint32_t n_workers; /* threads, [1, 64], default 1. Threads that the arena has memory for; at least the port's */
+    uint32_t n_workers; /* threads, [1, 64], default 1. Threads with memory in the arena, at least smr_port.n_workers */
     /* vertices, [0, 4000000], default 0. Capacity for target points: the vertices of all target surfaces set at one
      * time, plus the capacities of all clouds. 0: surfaces of any size are accepted and do not attract. */
     uint32_t n_target_vertices;
@@ -132,19 +132,19 @@ typedef struct smr_basic_config {
     /* iterations, [1, 100000], default 9, 20. Largest number of iterations at each radius except the last, not counting
      * iterations that only repair folds. With an image the first of several radii has twice this number. */
     uint32_t iterations;
-    uint32_t iterations_last; /* iterations, [1, 100000], default 60, 40. Largest number at the last radius */
+    uint32_t iterations_last; /* iterations, [1, 100000], default 60, 40. Most iterations at the last radius */
     /* share, [0, 1], default 1. Share of the vertices that take part, the most important first (paper 2.2, complexity
      * tuning). Ignored vertices get no force, belong to no cluster, and move with the nearby active vertices. At least
      * smr_model_info.active_min vertices take part. */
     float active_share;
-    uint32_t budget_exact; /* 0 or 1, default 0. 1: a budget ignores no vertex, and no bit depends on the budget */
+    uint32_t budget_exact; /* 0 or 1, default 0. 1: a budget leaves out no vertex and changes no bit of the result */
     float search_mm; /* mm, (0, 100000], default 60. Largest distance from a vertex to a closest point that is a goal */
-    float attraction; /* share, [0, 1], default 0.5. Weight of a surface's attraction in goals; clouds always attract */
+    float attraction; /* share, [0, 1], default 0.5. Weight of target vertices' pulls in a goal; 0: only clouds pull */
     /* share, [0, 1], default 0. Share of the displacement to the goal along the model's surface that counts. At 0 the
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;
     /* share, [0, 1], default 0.5. Share of a vertex' motion along the surface, relative to its neighbours' motion, that
-     * is undone, at the last radius, on structures with a target surface; 0 in the last iteration. */
+     * is undone at the last radius, on structures with a target surface. The share falls to 0 at the schedule's end. */
     float even;
 } smr_basic_config;
 
@@ -209,7 +209,7 @@ typedef struct smr_tick_details {
     float attraction_used;                  /* config.basic.attraction if target vertices attracted the model, else 0 */
     float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest residual; -1: not measured */
     uint64_t phase_ns[SMR_PHASES];          /* ns; time of this tick in each phase; 0 without a clock */
-    uint32_t plastic_updates;               /* number of times x^r = x since the start */
+    uint32_t plastic_updates;               /* number of times since the start that the reference shape x^r became x */
     uint32_t tracking;   /* 1: the schedule has ended and the model follows targets (config.track); done stays 0 */
     uint32_t settled;    /* 1: the tracked model has settled; ticks change nothing until a target is set */
     uint32_t jumped;     /* 1: the first goals of the present targets were beyond config.track.jump_mm, or missing */
@@ -254,14 +254,14 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 /* ------------------------------------------------------------------ 6. verdict */
 /* Levels of a verdict by its probability. FAILED: the result says nothing about the target. */
 enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
-#define SMR_PROBABILITY_GOOD 0.8f    /* least probability of a good verdict */
-#define SMR_PROBABILITY_FAILED 0.05f /* a lower probability fails */
+#define SMR_PROBABILITY_GOOD 0.8f    /* a verdict with a higher probability is good */
+#define SMR_PROBABILITY_FAILED 0.05f /* a verdict with a lower probability is failed */
 
 /* Measures of a structure, or of the whole model. -1: not measured. */
 typedef struct smr_verdict {
     uint32_t level;          /* SMR_VERDICT_... */
     uint32_t reasons;        /* sum of SMR_REASON_... (section 7); 0 if the level is good */
-    float probability;       /* 0..1. Share of runs with such measures that end within 1 mm (surface), 3 mm (vertex) */
+    float probability;       /* 0..1. Probability that errors are below 1 mm (surface) and 3 mm (vertices) */
     float expected_error_mm; /* mm, or -1. Mean of smr_get_expected_error() over structures that are visible enough */
     /* mm, or -1. Means of smr_get_expected_parts(), and of smr_get_expected_error() over visible vertices */
     float expected_across_mm, expected_along_mm, expected_visible_mm;
@@ -320,7 +320,7 @@ uint32_t smr_self_test(void);
 
 /* Reasons for a verdict other than good, with the measure of smr_verdict. */
 #define SMR_REASON_NOTHING_VISIBLE 1u /* no vertex had a goal in the last complete forces */
-#define SMR_REASON_LITTLE_VISIBLE 2u  /* visible_share is low, or expected_error_mm is high against bend_mm */
+#define SMR_REASON_LITTLE_VISIBLE 2u  /* visible_share is low, or expected_error_mm is high compared with bend_mm */
 #define SMR_REASON_EXPECTED 4u        /* expected_error_mm is high */
 #define SMR_REASON_UNCOVERED 8u       /* target_covered is low */
 #define SMR_REASON_NORMALS 16u        /* normals_agree is low */
@@ -348,11 +348,11 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
     uint32_t has_target; /* 1: has a surface, image, own landmark or caller's goals; 0: carried by neighbours */
-    uint32_t n_forces;   /* as in smr_tick_report, of this structure */
+    uint32_t n_forces;   /* number of the structure's vertices with an external force */
     uint32_t n_rejected;
-    float matched_share;                     /* as in smr_tick_details, of this structure */
-    float residual_mean_mm, residual_max_mm; /* mean and largest residual; -1: not measured, as in smr_tick_report */
-    float moved_mean_mm, moved_max_mm;       /* mean and largest displacement from the start positions */
+    float matched_share;                     /* share of searched vertices that have a goal; -1: no search */
+    float residual_mean_mm, residual_max_mm; /* mm. Mean and largest residual; -1: not measured */
+    float moved_mean_mm, moved_max_mm;       /* mm. Mean and largest displacement from the start positions */
 } smr_structure_report;
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
 
@@ -364,7 +364,7 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
 
 /* Writes ratio[n_vertices], in the caller's order; for SMR_ALL, of all structures in a row. A ratio is the volume
  * between the surface of the vertex' cluster and the cluster's centre, with the scale, divided by that volume at rest,
- * -1e6..1e6; below 0 it is inside out. The less the surface surrounds the cluster, the more the ratio is the change of
+ * -1e6..1e6; below 0: inside out. The less the surface surrounds the cluster, the more the ratio is the change of
  * area; without a surface, it is the cube of the model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the
  * model's radius nearest to radius_mm; 0 means eight mean edges. Choose a radius as large as the structure is thick.
  * The call takes as long as an iteration, on one thread. Errors: as smr_get_verdict(), and E_STATE without inputs. */
@@ -391,7 +391,7 @@ typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 struct smr_prepare_config {
     uint32_t cookie; /* SMR_COOKIE of this struct; smr_prepare_config_default() sets it */
     /* radii, [0, 16], default 0: chosen from the surfaces' size and edge length. Number of cluster radii. With a
-     * reference image 60, 40, 25 and 15 mm are chosen, for a single structure after its size and a third of that. */
+     * reference image 60, 40, 25 and 15 mm are chosen; a single structure also gets its length and a third of that. */
     uint32_t n_radii;
     /* mm, [1e-06, 100000]. Cluster radii s, coarse to fine; elements from n_radii on are ignored. */
     float radius_mm[SMR_RADII_MAX];
@@ -429,7 +429,7 @@ typedef struct smr_model_info {
     float radius_mm[SMR_RADII_MAX];
     float indexes_per_cluster[SMR_RADII_MAX]; /* mean number of stored indexes per cluster: zeta+, zeta- and roots */
     float direct_per_cluster[SMR_RADII_MAX];  /* mean number of vertices per cluster, |zeta|, all read by direct sums */
-    uint32_t largest_cluster[SMR_RADII_MAX];  /* vertices; a vertex within a micrometre beyond the radius counts half */
+    uint32_t largest_cluster[SMR_RADII_MAX];  /* most vertices in one cluster, up to 1 um beyond its radius by half */
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];   /* 1: each cluster contains one structure only */
@@ -598,7 +598,7 @@ typedef struct smr_image_config {
     uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 over the last radius' second half */
 } smr_image_config;
 
-/* Returns the defaults for images, whose goals are noisy and far: x^r = x less often, and more iterations. */
+/* Returns the defaults for images, whose goals are noisy and far: x^r is set to x less often; more iterations. */
 smr_config smr_config_default_image(void);
 
 /* Sets the image of every structure without a target surface; the library borrows the image until the next image. NULL
@@ -621,8 +621,8 @@ typedef struct smr_partial_config {
      * target's closest points lie elsewhere on the model. Occluded vertices follow the image, or a smooth field of
      * visible vertices. auto: whole for closed surfaces of which the model covers nine tenths. whole: no memory. */
     uint32_t coverage;
-    /* mm, [0, 100], default 0. Noise of clouds and target surfaces. What is nearer than this to the model does not
-     * attract; what is farther attracts by the excess of its distance. At 0 the noise of many points averages out. */
+    /* mm, [0, 100], default 0. Noise of clouds and target surfaces. Nearer points than this do not
+     * attract the model; farther ones attract by the excess of distance. At 0 the noise of many points averages out. */
     float noise_mm;
     uint32_t n_landmarks; /* landmarks, [0, 64], default 0. Largest number of landmarks; 0 takes no memory */
 } smr_partial_config;
@@ -703,10 +703,10 @@ typedef struct smr_track_config {
      * their own structure. Cluster radius while following, the model's nearest. Larger radii are stiffer. */
     float radius_mm;
     /* mm, [0, 100000], default 0: a twelfth of the radius. Smallest mean distance to the goals of new targets that
-     * counts as a jump. New targets without any goal have jumped, too. */
+     * counts as a jump. New targets without any goal also count as a jump. */
     float jump_mm;
-    float settle_um;     /* um, [0, 100000000], default 20. Largest displacement at rest, or 1/5 of the residual */
-    uint32_t iterations; /* iterations, [1, 100000], default 30. Largest number for one position of the targets */
+    float settle_um;     /* um, [0, 100000000], default 20. Displacement below which the model rests, or 1/5 residual */
+    uint32_t iterations; /* iterations, [1, 100000], default 30. Most iterations for one position of the targets */
     /* share, [0, 1], default 0. When targets are set, each structure first repeats this share of its rigid displacement
      * between the last two times that targets were set. The prediction suits targets at even intervals. After a jump no
      * prediction is made. Momentum of the last iteration keeps the remaining share. The first tick on new targets
@@ -826,9 +826,9 @@ typedef struct smr_energy {
     float centre[3];   /* mm. Present centre of mass of the vertices that are not pinned */
     float kinetic_uj;  /* uJ. Kinetic energy of the velocities of smr_get_velocities(), without pinned vertices */
     float gravity_uj;  /* uJ. Present potential energy in gravity; 0 at the start positions */
-    float elastic_uj;  /* uJ. Last complete step: half of deviation times force, accurate while parts turn little
-                          against each other; at most the remainder that the other energies leave */
-    float goals_uj;    /* uJ. Last complete step: energy of the springs to the goals */
+    float elastic_uj;  /* uJ. Elastic energy at the last complete step: half of deviation times force, accurate while
+                          parts turn little against each other; at most the remainder that the other energies leave */
+    float goals_uj;    /* uJ. Energy of the springs to the goals at the last complete step */
 } smr_energy;
 smr_status smr_get_energy(const smr *s, smr_energy *energy);
 
@@ -904,9 +904,9 @@ typedef struct smr_motion_config {
     float momentum;   /* share, [0, 0.99], default 0.8, 0.7. Share of the last displacement added to the forces */
     /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, where it moves vertices along the surface. */
     float momentum_last;
-    float plastic_um; /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below this */
-    /* iterations, [0, 1000], default 1, 5. x^r = x also after this many iterations. 0: x^r = x only at rest
-     * (plastic_um) or at the end of a radius, so the model springs back towards its shape. */
+    float plastic_um; /* um, [0, 100000000], default 50. Reference shape x^r is set to x below this displacement */
+    /* iterations, [0, 1000], default 1, 5. The reference shape x^r is set to the positions x also after this many
+     * iterations. 0: only at rest (plastic_um) or at the end of a radius, so the model springs back to its shape. */
     uint32_t plastic_every;
     uint32_t plastic_by; /* SMR_PLASTIC_..., default largest. Displacement that plastic_um bounds: largest, or mean */
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
@@ -916,12 +916,12 @@ typedef struct smr_motion_config {
      * limited; at the last radius remaining folded edges are opened. */
     uint32_t fold_guard;
     /* SMR_NORMALS_..., default carried. Vertex normals: carried by the clusters' rotations and recomputed whenever x^r
-     * = x, or recomputed exactly in each iteration. */
+     * is set to x, or recomputed exactly in each iteration. */
     uint32_t normals;
     float turn_deg; /* degrees, [0, 85], default 0: 86 deg. Largest turn of a cluster by rigid kinematics (paper: 20) */
     /* SMR_FUSING_..., default linear. Mean of the transforms of a vertex' clusters: linear averages their matrices
      * (paper 2.3) and shrinks where the clusters' rotations differ; lie averages their logarithms and gives a rigid
-     * motion. The two means differ where x^r = x is rare (plastic_every). */
+     * motion. The two means differ where x^r is rarely set to x (plastic_every). */
     uint32_t fusing;
 } smr_motion_config;
 
@@ -929,7 +929,7 @@ typedef struct smr_motion_config {
 typedef struct smr_schedule_config {
     uint32_t radius_first; /* index, default 0. Index of the first radius used */
     uint32_t radius_last;  /* index, default SMR_FINEST. Index of the last radius used, not below radius_first */
-    /* share, [0, 1], default 1. Active share at the schedule's start, if below active_share, to which it grows. */
+    /* share, [0, 1], default 1. Active share at the schedule's start; grows to active_share if below it. */
     float active_first;
     /* vertices, [0, 1000000], default 30. With an image, this many active vertices in the smallest cluster suffice, if
      * 1,000 vertices of the whole model are active, too; the iteration ignores all other vertices. The number of active
@@ -939,13 +939,13 @@ typedef struct smr_schedule_config {
 
 struct smr_config {
     uint32_t cookie;              /* SMR_COOKIE of this struct; smr_config_default() sets it */
-    smr_basic_config basic;       /* section 4 */
-    smr_image_config image;       /* section 11 */
-    smr_partial_config partial;   /* section 12 */
-    smr_track_config track;       /* section 13 */
-    smr_contact_config contact;   /* section 14 */
-    smr_dynamics_config dynamics; /* section 15 */
-    smr_caller_config caller;     /* section 16 */
+    smr_basic_config basic;       /* what most programs change: section 4 */
+    smr_image_config image;       /* intensity images: section 11 */
+    smr_partial_config partial;   /* partial targets, noise, landmarks: section 12 */
+    smr_track_config track;       /* moving targets: section 13 */
+    smr_contact_config contact;   /* contact, volume and smoothness: section 14 */
+    smr_dynamics_config dynamics; /* mass, velocity and gravity: section 15 */
+    smr_caller_config caller;     /* the caller's own goals and forces: section 16 */
     smr_forces_config forces;
     smr_motion_config motion;
     smr_schedule_config schedule;
@@ -1011,7 +1011,7 @@ smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, c
                          smr_carry_fact *facts);
 
 /* Writes the points that represent a frame, a place with three axes, for each of points[n][3] mm at rest, to
- * places[n][SMR_FRAME_PLACES][3] mm. size_mm: measured length, half an implant's or 1. Errors: E_NULL, E_INPUT. */
+ * places[n][SMR_FRAME_PLACES][3] mm. size_mm: extent of the frame, half an implant's or 1. Errors: E_NULL, E_INPUT. */
 #define SMR_FRAME_PLACES 5u
 smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, float *places);
 
@@ -1079,7 +1079,7 @@ typedef struct smr_log_state {
 smr_status smr_get_log(const smr *s, smr_log_state *state);
 
 typedef struct smr_log_info {
-    uint32_t library, model_checksum, n_vertices; /* as in smr_saved_info */
+    uint32_t library, model_checksum, n_vertices; /* library's version; model's checksum and number of vertices */
     smr_config config;                            /* recorded configuration */
 } smr_log_info;
 
@@ -1120,7 +1120,7 @@ typedef struct smr_log_record {
     /* Fields of a recorded tick, from the tick's report. */
     uint32_t complete; /* 1: the tick completed an iteration, or the schedule had ended; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;
-    uint32_t n_taken;     /* as in smr_tick_details; SMR_LOG_ACTIVE: the number passed to smr_set_active() */
+    uint32_t n_taken;     /* number of active vertices; SMR_LOG_ACTIVE: the number passed to smr_set_active() */
     uint32_t n_evaluated; /* number of vertices whose forces the iteration has evaluated so far */
     uint32_t n_forces, plastic_updates;
     uint64_t state_hash;
@@ -1181,14 +1181,14 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
                                 : (size_t)6080u + (size_t)40u * (ns) + (size_t)6u * (n_target_vertices) +              \
                                       (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))
 #define SMR_ARENA_LANDMARKS_BYTES(nv, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (nv))
-#define SMR_ARENA_TRACK_BYTES(nv, ns) /* 12 nv less without intensity profiles */                                      \
+#define SMR_ARENA_TRACK_BYTES(nv, ns) /* 12 nv bytes fewer suffice without intensity profiles */                       \
     ((size_t)1024u + (size_t)24u * (nv) + (size_t)96u * (ns))
-#define SMR_ARENA_CONTACT_BYTES(nv, nt, ns) /* with contact.share or contact.n_fixed */                                \
+#define SMR_ARENA_CONTACT_BYTES(nv, nt, ns) /* added by contact.share or contact.n_fixed */                            \
     ((size_t)4096u + (size_t)100u * (nv) + (size_t)40u * (nt) + (size_t)25u * (ns) + SMR_TREE_BYTES(nt, ns))
-#define SMR_ARENA_VOLUME_BYTES(ns) ((size_t)64u + (size_t)64u * (ns)) /* with contact.volume */
-#define SMR_ARENA_SMOOTH_BYTES(nv) ((size_t)64u + (size_t)4u * (nv))  /* with contact.smooth */
+#define SMR_ARENA_VOLUME_BYTES(ns) ((size_t)64u + (size_t)64u * (ns)) /* added by contact.volume */
+#define SMR_ARENA_SMOOTH_BYTES(nv) ((size_t)64u + (size_t)4u * (nv))  /* added by contact.smooth */
 #define SMR_ARENA_DYNAMICS_BYTES(nv, ns) ((size_t)2304u + (size_t)48u * (nv) + (size_t)208u * (ns))
-#define SMR_ARENA_CALLER_BYTES(nv, ns) /* with caller.goals or caller.force */                                         \
+#define SMR_ARENA_CALLER_BYTES(nv, ns) /* added by caller.goals or caller.force */                                     \
     ((size_t)256u + (size_t)16u * (nv) + (size_t)16u * (ns))
 
 /* Bounds of smr_save_bytes(). */
@@ -1197,8 +1197,8 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
      ((n_target_vertices) > 0u ? (size_t)252u + (size_t)4u * (n_target_vertices) : (size_t)0u) +                       \
      ((n_landmarks) > 0u ? (size_t)4u + (nv) + (size_t)200u * (n_landmarks) : (size_t)0u))
 #define SMR_SAVE_VOLUME_BYTES(ns) ((size_t)8u * (ns))
-#define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv less without profiles */
-#define SMR_SAVE_AHEAD_BYTES(ns) ((size_t)4u + (size_t)96u * (ns))   /* with track.ahead */
+#define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv bytes fewer suffice without profiles */
+#define SMR_SAVE_AHEAD_BYTES(ns) ((size_t)4u + (size_t)96u * (ns))   /* added by track.ahead */
 #define SMR_SAVE_DYNAMICS_BYTES(nv, ns) ((size_t)128u + (size_t)40u * (nv) + (size_t)8u * (ns))
 #define SMR_SAVE_CONTACT_BYTES(nv, n_fixed) ((size_t)4u * (nv) + (size_t)8u * (n_fixed))
 
