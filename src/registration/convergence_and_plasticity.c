@@ -39,7 +39,7 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
     return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 
-/* In tracking and dynamics x^r is tracking's rest shape in new poses (tracking_rest_shape.c). */
+/* Returns 0 in tracking and dynamics: there x^r is tracking's rest shape in new poses (tracking_rest_shape.c). */
 int smr_plastic_ahead(const smr *s)
 {
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);

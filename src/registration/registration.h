@@ -14,7 +14,7 @@
 #define SMR_STATE_MAGIC 0x736d7254u
 #define SMR_STEPS_MAX 44u /* most steps of an iteration */
 
-/* What the time budget has learnt and decided (time_budget.c). */
+/* Measured costs of steps, and decisions of the time budget (time_budget.c). */
 typedef struct smr_time_budget {
     float rate[SMR_STEPS_MAX]; /* cost of each step, ns a unit of work; negative: unknown */
     uint64_t spent;            /* time spent in the current step, ns */
@@ -22,11 +22,11 @@ typedef struct smr_time_budget {
     float whole;               /* mean time of an iteration, ns */
     uint32_t count;            /* number of active vertices when the costs of the cluster sums were learnt */
     uint32_t uncut;            /* 1: the current iteration spans several ticks and leaves no vertex out */
-    uint32_t late;             /* 1: the iteration did not end in its tick, as it should have */
+    uint32_t late;             /* 1: the iteration was planned for one tick and needed another */
     uint32_t cut;              /* 1: n_active was reduced for lack of time */
     uint32_t repairing;        /* 1: the last iteration repaired folds */
     float margin;              /* factor on the predicted time of the iteration's later steps, kept in reserve */
-    uint32_t look;             /* number of searched vertices at which the reserve is checked next */
+    uint32_t look;             /* number of searched vertices at which the time in reserve is checked next */
     uint32_t odd;              /* 1: the clock ran backwards in the current step */
 } smr_time_budget;
 
@@ -34,7 +34,7 @@ struct smr {
     uint32_t magic;           /* SMR_STATE_MAGIC */
     uint32_t step, next_task; /* position of the tick: current step of the iteration, completed tasks of this step */
     uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
-    uint32_t refused;         /* 1: the port left out a task or used an illegal worker; 0 when positions are set */
+    uint32_t refused;         /* 1: the port left out a task or used an illegal worker. Setting positions clears it */
     uint32_t n_awaited;       /* number of inputs that must be set again after a restore */
     /* takes an awaited input, with the arguments of smr_log_note(); set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);

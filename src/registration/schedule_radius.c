@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
-#define SMR_ENOUGH_ALL 1000.0f /* number of active vertices of the whole model that suffices for an image, at least */
+#define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model that suffice for an image */
 #define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
 #define SMR_FIRST_TIMES 2u   /* factor on the first radius' iterations with an image: most displacement happens there */
 #define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */
@@ -18,7 +18,7 @@ uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, floa
     return best;
 }
 
-/* By default, with several structures, a radius with a cluster in one structure only: structures slide, joints turn. */
+/* By default clusters of this radius hold one of several structures only, so that structures slide and joints turn. */
 uint32_t smr_radius_after(const smr *s)
 {
     const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
@@ -64,8 +64,8 @@ float smr_radius_progress(const smr *s)
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->schedule.radius_iteration) / total;
 }
 
-/* The number of active vertices that suffices for image forces, which take most of an iteration: active_enough in the
- * smallest cluster. A whole priority level, whose vertices do not depend on the order along the curve. */
+/* Returns the number of active vertices that suffices for image forces, which take most of an iteration: active_enough
+ * in the smallest cluster. A whole priority level, whose vertices do not depend on the order along the curve. */
 static float enough_for_image(const smr *s)
 {
     const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /

@@ -8,29 +8,29 @@
 #define SMR_FIRST_CLOUD 3u /* factor on the number of iterations at the first radius with clouds: slow convergence */
 #define SMR_REPAIR_MAX 30u /* most iterations of fold repair before a radius starts */
 
-void smr_radius_go(smr *s, uint32_t radius);  /* continues at this radius */
+void smr_radius_go(smr *s, uint32_t radius);  /* makes this the current radius, before its first iteration */
 void smr_radius_take(smr *s);                 /* sets clusters, momentum and search distance of the current radius */
 uint32_t smr_radius_active(const smr *s);     /* number of active vertices by configuration and clusters */
 uint32_t smr_radius_iterations(const smr *s); /* most iterations at the current radius */
 /* index, first .. last, of the radius whose ratio to `mm` is nearest to 1 */
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm);
-uint32_t smr_radius_after(const smr *s); /* index of the radius after the schedule, and in dynamics */
-float smr_radius_progress(const smr *s); /* completed share of the schedule's iterations, 0..1 */
+uint32_t smr_radius_after(const smr *s); /* returns the index of the radius for tracking and for dynamics */
+float smr_radius_progress(const smr *s); /* returns the completed share of the schedule's iterations, 0..1 */
 
 /* Result of an iteration. Each field is 0 or 1. */
 typedef struct smr_ending {
-    int small;   /* no vertex moved by plastic_um or more */
-    int settled; /* no vertex moved by settle_um or more, and the radius may end early */
-    int spent;   /* the iteration was the last one of its radius */
-    int done;    /* the iteration was the last one of the schedule */
+    int small;   /* 1: no vertex moved by plastic_um or more */
+    int settled; /* 1: no vertex moved by settle_um or more, and the radius may end early */
+    int spent;   /* 1: the iteration was the last one of its radius */
+    int done;    /* 1: the iteration was the last one of the schedule */
 } smr_ending;
 
-smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration); /* of this iteration at the current radius */
+smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration); /* judges this iteration of the current radius */
 
-/* Returns 1 when x^r = x after an iteration with this ending. since_plastic: iterations since x^r last changed. */
+/* Returns 1 when x^r must be set to x after an iteration with this ending, since_plastic iterations after the last. */
 int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic);
-int smr_plastic_ahead(const smr *s); /* 1: x^r = x after the current iteration, before it is complete */
-void smr_plastic_update(smr *s);     /* x^r = x; smr_plastic_normals() follows when the next normals are current */
+int smr_plastic_ahead(const smr *s); /* 1: x^r will be set to x when the current iteration is complete */
+void smr_plastic_update(smr *s);     /* sets x^r to x; smr_plastic_normals() must follow for the normals */
 void smr_plastic_positions(smr_shape *shape);
 void smr_plastic_normals(smr_shape *shape);
 

@@ -17,7 +17,7 @@ typedef struct smr_mean {
 typedef struct smr_evidence {
     union {
         struct {
-            smr_mean visible, agree; /* visible share of the model; share of it with agreeing normals */
+            smr_mean visible, agree; /* visible share of the model's area; share with normals like the target's */
             smr_mean covered;        /* covered share of the target's area */
             smr_mean others;         /* share of the target's area in bodies that the model does not reach */
             smr_mean strays;         /* share of a cloud's points that are outliers */
@@ -48,7 +48,7 @@ static inline void smr_mean_add(smr_mean *m, float value, float weight)
 
 static inline float smr_mean_of(smr_mean m, float otherwise) { return m.weight > 0.0f ? m.sum / m.weight : otherwise; }
 
-/* Returns 1 when stored vertex v was visible in the target at the last judgement. */
+/* Returns 1 when the target showed stored vertex v at the last judgement of visibility. */
 int smr_vertex_visible(const smr *s, uint32_t v);
 
 /* Returns 1 when a structure follows landmarks and has neither a target surface nor an image. */
@@ -72,8 +72,8 @@ void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
  * strays: share of a cloud's points that are outliers. */
 void smr_judge(smr_verdict *verdict, float edge_mm, int whole, float strays);
 
-/* The expected error of stored vertex v, then its parts across the surface and along it, mm; below 0: unknown. They lie
- * in the memory of records behind the rings. */
+/* Returns three values of stored vertex v, mm: expected error, its part across and its part along the surface; below 0:
+ * unknown. The values lie in the memory of records behind the rings. */
 static inline float *smr_vertex_expected(const smr *s, uint32_t v)
 {
     return s->overlay.rings.displacement + 3u * ((size_t)s->shared.n + v);

@@ -6,13 +6,13 @@
 #include "registration/config/config.h"
 #include "registration/api/setup.h"
 
-/* The parts of an iteration that model and configuration need. */
+/* Returns the parts of an iteration, SMR_PART_..., that model and configuration need. */
 static uint32_t parts_of(const smr_shared *shared)
 {
     const smr_config *const c = &shared->config;
     const int image = smr_le32(shared->model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
     const int partial = c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u || (track && image) ||
-                        smr_target_slots(shared) > 0u; /* a cloud */
+                        smr_target_slots(shared) > 0u; /* clouds may be set */
     const int contact = c->contact.share > 0.0f || c->contact.volume > 0.0f || c->contact.smooth > 0.0f;
     const int caller = c->caller.goals || c->caller.force != SMR_CALLER_OFF;
     return SMR_PART_PLAIN | SMR_PART_REFERENCE | (SMR_HAS_IMAGE && image ? SMR_PART_IMAGE : 0u) |

@@ -32,7 +32,7 @@ static void split(uint64_t sum, uint32_t half[2])
 
 static int is(const awaited *w, uint64_t sum) { return ((uint64_t)w->checksum[1] << 32 | w->checksum[0]) == sum; }
 
-/* The entry for the present input of structure i. */
+/* Returns the list's entry for the present surface of structure i. */
 static awaited present(const smr *s, uint32_t i)
 {
     const smr_target *target = s->forces.surface.target;
@@ -170,7 +170,7 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
     return SMR_OK;
 }
 
-/* Takes the awaited input of entry `at`, which is then no longer awaited. */
+/* Clears entry `at` of the list when its checksum is `sum`; E_INPUT for another checksum. */
 static smr_status take(smr *s, uint32_t at, uint64_t sum)
 {
     awaited *w = &list_of(s)[at];

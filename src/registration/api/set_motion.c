@@ -44,7 +44,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
         if (velocity != NULL)
             smr_put3(d->velocity, v, smr_get3(velocity, i));
     }
-    d->weighed |= other && s->schedule.iteration > 0u; /* new masses; before the first iteration there is no energy */
+    d->weighed |= other && s->schedule.iteration > 0u; /* new masses: stored energies are outdated, if there are any */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
     smr_log_note(&s->log, SMR_LOG_MOTION, structure, &motion, one->n_vertices);

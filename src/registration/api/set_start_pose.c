@@ -6,8 +6,8 @@
 #include "registration/api/setup.h"
 
 #define SMR_FAR_OFF 500.0f     /* distance of the model from the origin, mm, from which on the origin is moved */
-#define SMR_POSE_LEAST 1.0e-9f /* determinant of a pose from metres to kilometres; that of a reflection is negative */
-#define SMR_POSE_MOST 1.0e9f   /* determinant of a pose from kilometres to metres */
+#define SMR_POSE_LEAST 1.0e-9f /* smallest legal determinant of a pose (metres to kilometres); reflections are below */
+#define SMR_POSE_MOST 1.0e9f   /* largest legal determinant of a pose (kilometres to metres) */
 
 /* Moves the origin, by whole millimetres, to the middle of a model far from the origin. */
 static void centre_origin(smr *s)

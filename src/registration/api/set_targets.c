@@ -7,8 +7,8 @@
 /* Returns the number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
-/* Goal k on a surface that structure i is the first to have. before: goal k - 1, NULL for the first. Components get a
- * number of their own while there is room for those of all targets. */
+/* Returns entry k of the list of distinct targets; structure i is the first with this surface. before: entry k - 1, or
+ * NULL. Components get a number of their own while there is room for those of all targets. */
 static smr_goal goal_on(const smr_surface *surface, uint32_t k, uint32_t i, const smr_goal *before)
 {
     const uint32_t first = before == NULL ? 0u : before->first_body + before->n_bodies + SMR_BODY_FIRST;
@@ -57,7 +57,7 @@ static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_s
     return slots;
 }
 
-/* Discards results of searches on the former surface. */
+/* Discards the results of searches on the former target of a structure or SMR_ALL. */
 static void forget_searches(smr_surface_goals *g, uint32_t structure)
 {
     for (uint32_t v = 0; v < g->shared->n; v++)
@@ -144,7 +144,7 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
     smr_forces_unmeasured(&s->forces);
     const uint32_t n_goals = g->n_goals;
     smr_take_goals(g);
-    if (grown && g->n_goals == n_goals) { /* searches and weights stay */
+    if (grown && g->n_goals == n_goals) { /* only new points: results of searches and weights stay valid */
         smr_pulls_clear(g);
     } else {
         forget_searches(g, structure);

@@ -8,10 +8,10 @@
 /* Sets all fields that follow from model and configuration alone; the other fields become 0. */
 void smr_count(smr *s, const smr_model *model, const smr_config *config);
 
-/* Lists all slots and saved values, after smr_count(). Returns the registration's slot; NULL to measure or save. */
+/* Lists all arrays and saved values of s, after smr_count(). Returns the registration's place in the arena, or NULL. */
 smr *smr_layout(smr_arena *a, smr *s);
 
-/* Lists distinct targets and tasks of their search. goal may be NULL. Returns the needed entries of target_warm. */
+/* Lists distinct targets (goal may be NULL); counts them and search tasks. Returns the needed size of target_warm. */
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks);
 void smr_take_goals(smr_surface_goals *g); /* lists the distinct targets in g->goal; counts clouds and their points */
 /* stores size and checksum of the target that structures first .. last - 1 share */
@@ -21,7 +21,7 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
 /* gives a structure, or SMR_ALL, a surface or a cloud, as smr_set_surface() and smr_set_points() */
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* Checks before an input is set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick is running). */
+/* Checks whether an input may be set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick runs). */
 static inline smr_status smr_settable(const smr *s, int built, int legal)
 {
     if (s == NULL)
@@ -49,7 +49,7 @@ static inline void smr_restart_forces(smr *s, uint32_t changed)
 
 #define SMR_SAVED_MAGIC 0x53524d53u /* "SMRS" */
 #define SMR_SAVED_VERSION 2u        /* version of the saved bytes that this library writes and reads */
-#define SMR_SAVED_FIXED 32u         /* bytes of the header */
+#define SMR_SAVED_FIXED 32u         /* bytes of a save's header */
 
 /* Words of the header. The configuration's words, the saved values and a CRC-32 of all bytes before follow. */
 enum {
@@ -63,15 +63,15 @@ enum {
     SMR_SAVED_AT_CONFIG_WORDS
 };
 
-void smr_go_over(smr *s, smr_keeper *k); /* counts, saves, checks or restores all slots and fields */
+void smr_go_over(smr *s, smr_keeper *k); /* counts, saves, checks or restores all saved values */
 
 /* restore_awaited_inputs.c: saves checksums of the caller's inputs, and which structures share a surface. */
 void smr_keep_inputs(smr_arena *a, smr *s);
 int smr_can_wait(const smr_shared *c);  /* 0: no memory for the list of awaited inputs: a forged model */
 int smr_awaits_log(const smr_log *log); /* 1: the log's memory is awaited */
 
-/* Takes an awaited input; arguments as in smr_log_note(), for FORCE a smr_caller_force. Errors: as smr_set_...(). */
+/* Sets an awaited input `what` of this kind (SMR_LOG_...) and number (structure or index). Errors: as smr_set_...(). */
 smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what);
-smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* NULL ends recording. Errors: E_ARENA, E_LOG */
+smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* sets the awaited log or NULL. Errors: E_ARENA, E_LOG */
 
 #endif

@@ -36,7 +36,7 @@ smr_config smr_config_paper(void)
     c->partial.coverage = SMR_COVERAGE_WHOLE;
     c->basic.attraction = c->basic.even = 0.0f;
     c->basic.slide = 1.0f;
-    /* 3, iconic registration */
+    /* the paper's section 3, iconic registration: goals by profiles and edges in an image */
     c->forces.stiffness = 0.8f;
     c->image.similarity = SMR_SIMILARITY_NCC;
     c->image.profile_mm = 10.0f;
@@ -47,7 +47,7 @@ smr_config smr_config_paper(void)
     c->image.edge = SMR_EDGE_STEEPEST;
     c->image.blend = SMR_BLEND_PLAIN;
     c->image.fade = 0;
-    /* 2.3, evolution: x = x~; 3, plasticity: at rest only */
+    /* the paper's 2.3, evolution: x = x~; section 3, plasticity: x^r is set to x only at rest */
     c->motion.relaxation = 1.0f;
     c->motion.momentum = c->motion.momentum_last = 0.0f;
     c->motion.plastic_um = 50.0f;
@@ -120,7 +120,7 @@ const char *smr_built_without(void)
 
 #define SMR_DIFFERS(group) (memcmp(&own.group, &standard.group, sizeof own.group) != 0)
 
-/* Whole targets need no capability: a build without partial targets takes all targets as whole. */
+/* Coverage `whole` needs no capability: a build without partial targets takes all targets as whole. */
 int smr_config_left_out(const smr_config *c)
 {
     const smr_config standard = smr_config_default();

@@ -12,7 +12,7 @@ void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 
 void smr_evolve_reset(smr_evolve *e) { memset(e->tangent_smooth.limited, 0, e->shared->n); }
 
-/* The displacement from ref by the average of the clusters' transforms, mm; rotates *normal. w: the vertex' sum. */
+/* Returns the displacement of ref by the average of the clusters' transforms, mm; rotates *normal. w: vertex' sum. */
 static inline smr_vec average_displacement(int logs, const uint32_t *w, const float inverse[2], float share,
                                            smr_vec ref, smr_vec *normal)
 {
@@ -47,7 +47,7 @@ void smr_evolve_step(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* A vertex' term of the hash. The sum over vertices does not depend on their order. */
+/* Returns the hash of a vertex' index and position p, mm. The sum over vertices does not depend on their order. */
 static uint64_t hash_point(uint32_t index, const float *p)
 {
     const uint64_t xy = (uint64_t)smr_float_bits(p[0] + 0.0f) << 32 | smr_float_bits(p[1] + 0.0f);

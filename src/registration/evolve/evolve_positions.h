@@ -15,7 +15,7 @@ typedef struct smr_tangent_smooth {
     const smr_surface_goals *goals;
     smr_rings rings;
     float share;      /* share of the displacement to the mesh neighbours' mean in this iteration; 0: no smoothing */
-    uint8_t *limited; /* [n] largest share of a step removed by fold limits at the last radius, 1 / SMR_LIMITED_FULL */
+    uint8_t *limited; /* [n] largest removed share of the vertex' steps at the last radius, times SMR_LIMITED_FULL */
 } smr_tangent_smooth;
 
 typedef struct smr_evolve {
@@ -28,24 +28,24 @@ typedef struct smr_evolve {
     smr_tally *tally;
     float moved_mm;       /* largest displacement of the current iteration, mm */
     float mean_mm;        /* mean displacement of the current iteration, mm; 0 unless motion.plastic_by is MEAN */
-    uint64_t hash;        /* hash of x_next */
+    uint64_t hash;        /* hash of the positions x_next */
     uint32_t normals_due; /* 1: normals are computed from triangles in this iteration */
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
 void smr_evolve_reset(smr_evolve *e); /* clears `limited` when an iteration is abandoned */
 
-/* Steps: x_next and next normals; displacements and hash of x_next. */
+/* Steps: smr_evolve_step writes x_next and next normals; smr_evolve_measure measures steps and hashes x_next. */
 smr_count_tasks smr_evolve_tasks;
 smr_run_task smr_evolve_step, smr_evolve_measure;
 void smr_evolve_measure_end(smr_evolve *e);
-uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* xyz: [n][3] */
+uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* returns a hash of n positions xyz [n][3] */
 
 /* Tangential smoothing, at the last radius. Steps: clear sums; sum over mesh neighbours, one task after the other. */
 void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the coming iteration */
 smr_count_tasks smr_tangent_tasks, smr_tangent_sum_tasks;
 smr_run_task smr_tangent_clear, smr_tangent_sum;
-smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* of v, mm; valid until the fold steps */
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* smoothing displacement of v, mm */
 
 /* Notes that a fold step removed this share of the step of vertex v. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)

@@ -26,7 +26,7 @@ void smr_exact_normals_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worke
         smr_next_normal_set(sum, v, smr_v(0, 0, 0));
 }
 
-/* Triangles share vertices, so tasks run one after the other. */
+/* Adds each triangle's normal to its corners. Triangles share corners, so tasks run one after the other. */
 void smr_exact_normals_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_evolve *e = arg;

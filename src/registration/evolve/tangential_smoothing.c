@@ -48,7 +48,7 @@ void smr_tangent_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* Sums the displacements of mesh neighbours. Triangles share vertices, so tasks run one after the other. */
+/* Sums the displacements of each vertex' mesh neighbours. Triangles share vertices, so tasks run in order. */
 void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_tangent_smooth *e = arg;

@@ -10,11 +10,11 @@
 #define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that an edge may use in an iteration */
 #define SMR_LIMIT_ROOM 0.05f   /* distance of a cosine to its limit below which the edge creeps: moves by small steps */
 #define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
-#define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit: never reached */
+#define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit, never reached */
 #define SMR_LOOK_CHUNK 64u     /* dihedral edges of a task: each needs the normals of two triangles, twice */
 #define SMR_SOFT_ROUNDS 20u    /* most rounds in which edges ask vertices for shorter steps */
 #define SMR_HALVINGS 3u        /* rounds that halve steps; later rounds remove steps */
-#define SMR_LIMIT_ROUNDS 40u   /* most rounds in all */
+#define SMR_LIMIT_ROUNDS 40u   /* most rounds in an iteration, soft ones and halvings together */
 #define SMR_ENOUGH 0.001f      /* largest requested share at which the soft rounds end */
 
 enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
@@ -41,7 +41,7 @@ static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
     smr_put3(f->shape->x_next, v, smr_add(smr_get3(f->shape->x, v), step));
 }
 
-/* The four corners of a dihedral edge: those of the first triangle, then the other corner of the second. */
+/* Writes the four corners of a dihedral edge: those of the first triangle, then the other corner of the second. */
 static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_t corner[4])
 {
     const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_edge_second(h));
@@ -140,7 +140,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* The first structure with folds, from this structure on; n_structures: none. */
+/* Returns the first structure with folds, from this structure on; n_structures: none. */
 static uint32_t folding_from(const smr_folds *f, uint32_t structure)
 {
     while (structure < f->shared->n_structures && !f->folding[structure])

@@ -26,7 +26,7 @@ uint32_t smr_fold_open_tasks(const void *arg)
     return o->n_done + (o->pass != 0u);
 }
 
-/* A triangle of a dihedral edge. */
+/* One of the two triangles of a dihedral edge, at x_next. */
 typedef struct side {
     const uint32_t *corner; /* [3] vertices */
     smr_vec edge[3];        /* the edge opposite each corner, mm */

@@ -5,7 +5,7 @@
 #include "registration/folds/folds.h"
 
 #define SMR_EDGE_FLOOR 1.0e-3f /* mm: added to edge lengths in divisors */
-#define SMR_REPAIR_SWEEPS 10u  /* sweeps for each ring of the patch */
+#define SMR_REPAIR_SWEEPS 10u  /* sweeps over the patch around a fold, for each ring of the patch */
 #define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
 /* Stages of the repair: none; mark folds; then for each structure with folds the others, in this order. */
@@ -106,7 +106,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
             continue;
         const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
         smr_put3(f->shape->x_next, v, smr_add(smr_rest_posed(f->shape, v), mean));
-        clear_ring(f, v); /* the next sweep sums again */
+        clear_ring(f, v); /* the next sweep sums from 0 again */
     }
 }
 

@@ -11,12 +11,12 @@
 #define SMR_DIHEDRAL_CHUNK 1024u /* dihedral edges of a task of fold_find.c */
 #define SMR_RUNS 2048u           /* most runs of triangles; a run is tested or skipped as a whole */
 #define SMR_FOLD_COS 0.001f /* cosine below which an edge that is open at rest is folded; above 0 because of rounding */
-#define SMR_LIMIT_BELOW 0.31f /* next cosines above this need no limit; an edge's limit is 0.02 at most */
+#define SMR_LIMIT_BELOW 0.31f /* a next cosine above this needs no limit: limiting cosines are 0.02 at most */
 
 /* Progress of a pass over dihedral edges, triangles or vertices. Each task of the step is a piece of a pass. */
 typedef struct smr_fold_pass {
     uint32_t stage;     /* kind of the current pass; 0: none */
-    uint32_t at;        /* number of completed items of the structure */
+    uint32_t at;        /* number of completed items of the structure in this pass */
     uint32_t structure; /* current structure */
     uint32_t n_done;    /* number of completed tasks of the step in this iteration */
 } smr_fold_pass;
@@ -31,14 +31,14 @@ typedef struct smr_fold_piece {
 
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
-    uint32_t ring, sweep; /* current ring of the patch, current sweep */
+    uint32_t ring, sweep; /* index of the current ring of the patch around folds; index of the current sweep */
     uint32_t n_folds;     /* number of folds marked so far */
 } smr_fold_repair;
 
 typedef struct smr_fold_limit {
     smr_fold_pass pass;
-    uint32_t round; /* current round */
-    float most;     /* largest share requested in this round */
+    uint32_t round; /* number of complete rounds of requests in this iteration */
+    float most;     /* largest share, 0..1, by which an edge asks to even out its corners' steps in this round */
 } smr_fold_limit;
 
 typedef struct smr_fold_open {
@@ -51,15 +51,15 @@ typedef struct smr_fold_open {
 typedef struct smr_folds {
     const smr_shared *shared;
     const smr_schedule *schedule;
-    const smr_shape *shape;             /* the fold steps change x_next */
-    smr_tangent_smooth *tangent_smooth; /* stores the share of each limited step */
+    const smr_shape *shape;             /* positions x and x_next; fold steps correct x_next in place */
+    smr_tangent_smooth *tangent_smooth; /* its array `limited` gets the removed share of each limited step */
     smr_rings rings;
     smr_tally *tally;
     uint8_t *marked;           /* [n] not 0: a fold step changes the vertex' position in this iteration */
     uint32_t *folding;         /* [n_structures] 1: the structure has folds */
     uint32_t n_dihedral_tasks; /* number of tasks of fold_find.c */
     uint32_t n_folding;        /* number of folded dihedral edges when the repair began */
-    uint32_t n_guarded;        /* number of marked vertices */
+    uint32_t n_guarded;        /* number of vertices that fold steps changed in this iteration */
     uint32_t moved;            /* 1: x_next has changed and the triangles must be updated */
     smr_fold_repair repair;
     smr_fold_limit limit;
@@ -74,20 +74,20 @@ int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* 1: folds a
 
 smr_count_tasks smr_fold_find_tasks;
 smr_run_task smr_fold_find;
-void smr_fold_find_end(smr_folds *f); /* starts the steps below that are needed */
+void smr_fold_find_end(smr_folds *f); /* starts repair, limit or open where folds were found */
 
 /* Steps; their tasks run one after the other. While work is left, a step has one task more than it has completed. */
 smr_count_tasks smr_fold_repair_tasks, smr_fold_limit_tasks, smr_fold_open_tasks;
 smr_run_task smr_fold_repair_pass, smr_fold_limit_pass, smr_fold_open_pass;
-void smr_folds_moved(smr_folds *f); /* called after each of the three steps: counts marked vertices */
+void smr_folds_moved(smr_folds *f); /* counts the vertices that fold steps changed, in n_guarded */
 void smr_fold_repair_start(smr_folds *f);
 void smr_fold_limit_start(smr_folds *f);
 void smr_fold_open_start(smr_folds *f);
 
-/* The next piece of a pass, of at most `chunk` items. */
+/* Returns the next piece of pass p: at most `chunk` items of the kind `over`, SMR_OVER_... */
 smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk);
 
-/* Number of tasks of a step of passes. */
+/* Returns the number of tasks of a fold step: the completed ones, and one more while work is left. */
 static inline uint32_t smr_fold_tasks(const smr_fold_pass *p) { return p->n_done + (p->stage != 0u); }
 
 /* Counts a completed piece. Returns 1 when the pass is complete. */
@@ -103,16 +103,16 @@ static inline const smr_stored_dihedral *smr_edge_at(const smr_folds *f, uint32_
     return (const smr_stored_dihedral *)smr_at(f->shared->model, f->shared->model->at_dihedrals) + i;
 }
 
-/* Return an edge's second triangle; the cosine below which the edge is folded; 1 when the edge is open in the rest
- * shape: its triangles do not face away from each other. */
+/* smr_edge_second(): an edge's second triangle. smr_edge_limit(): the cosine below which the edge is folded.
+ * smr_edge_open(): 1 when the edge's triangles do not face away from each other in the rest shape. */
 static inline uint32_t smr_edge_second(const smr_stored_dihedral *h) { return smr_le32(h->bend) & SMR_DIHEDRAL_MASK; }
 static inline float smr_edge_limit(const smr_stored_dihedral *h) { return smr_dihedral_limit(smr_le32(h->bend)); }
 static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_limit(h) > SMR_DIHEDRAL_OPEN; }
 
-/* The cosine of the angle between the normals of an edge's triangles at x [n][3]. */
+/* Returns the cosine of the angle between the normals of an edge's triangles, with vertices at x [n][3]. */
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h);
 
-/* The share, 0..1, by which the steps of an edge's corners move towards their mean for a next cosine of `next`. */
+/* Returns the share, 0..1, by which the steps of h's corners must move to their mean if h's next cosine is `next`. */
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next);
 
 static inline const uint32_t *smr_corners(const smr_folds *f, uint32_t t)

@@ -6,7 +6,7 @@
 
 #define SMR_OUTPUT_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 
-/* Computes the checksum of what the caller's force returned for all active vertices. */
+/* Stores the checksum of what the caller's force returned for all active vertices in g->sum. */
 static void stand(smr_caller_goals *g)
 {
     g->summed = g->force != NULL;
@@ -84,7 +84,7 @@ static void ask(smr_caller_goals *g, uint32_t task)
         __atomic_store_n(&g->broken, 1u, __ATOMIC_RELAXED);
 }
 
-/* The weight of the goal that smr_set_goals() gave vertex v; *displacement: from v to that goal, mm. */
+/* Returns the weight of the goal that smr_set_goals() gave vertex v; *displacement: from v to that goal, mm. */
 static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displacement)
 {
     const uint32_t owner = smr_model_owner(g->shared->model, v);

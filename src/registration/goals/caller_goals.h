@@ -16,7 +16,7 @@ typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task); /* calls the caller's force for a chunk of vertices */
     /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of the weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
-    void (*stand)(struct smr_caller_goals *g); /* when forces are complete: computes the force output's checksum */
+    void (*stand)(struct smr_caller_goals *g); /* stores the checksum of the force's output in `sum` */
 } smr_caller_calls;
 
 extern const smr_caller_calls smr_caller_all;
@@ -43,7 +43,7 @@ static inline int smr_caller_has_goals(const smr_caller_goals *g, uint32_t struc
     return g->force != NULL || (g->goals != NULL && g->goals[structure].xyz != NULL);
 }
 
-/* Step: evaluates the caller's force for SMR_CALLER_CHUNK vertices a task. */
+/* Returns the number of tasks that call the caller's force, each for SMR_CALLER_CHUNK vertices. */
 static inline uint32_t smr_caller_tasks(const void *goals)
 {
     const smr_caller_goals *g = goals;

@@ -31,7 +31,7 @@ void smr_forces_unmeasured(smr_forces *f)
     f->matched = -1.0f;
 }
 
-/* Raises tally->forces.largest to what vertex v adds to the cluster sums: m u, and m u times the position x^r. */
+/* Raises tally->forces.largest to v's terms of cluster sums: mass times displacement u; that times position x^r. */
 static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
 {
     const smr_vec r = smr_get3(f->shape->x_ref, v), u = smr_scale(smr_match_displacement(f, v), smr_mass(f->shared, v));
@@ -71,7 +71,7 @@ void smr_forces_search(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
             smr_image_ahead(&f->image, v + 1u); /* prefetch: reading voxels takes as long as the work on a vertex */
         f->found[v] = smr_sources_goal(f, v, &displacement, &residual);
         smr_put3(f->force, v, displacement);
-        if (f->found[v] == SMR_FOUND_GOAL) /* plasticity ends the distance to a goal, but not that to the target */
+        if (f->found[v] == SMR_FOUND_GOAL) /* distance to the target mesh, or else to the goal */
             f->residual[v] = residual < SMR_FAR ? residual : smr_length(displacement);
     }
 }
@@ -121,7 +121,7 @@ void smr_forces_take(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* The displacement of v by the goal's force and momentum, without contact, mm. */
+/* Returns the displacement of v by the goal's force and momentum, without contact, mm. */
 static smr_vec requested_displacement(const void *arg, uint32_t v)
 {
     const smr_forces *f = arg;
@@ -164,7 +164,7 @@ static float share_of(uint32_t n_forces, uint32_t n_rejected)
     return all > 0u ? (float)n_forces / (float)all : -1.0f;
 }
 
-/* share_of() for the vertices of a structure in the last complete forces. */
+/* Returns the share of a structure's searched vertices with a goal in the last complete forces; -1: none searched. */
 static float share_in_last(const smr_forces *f, uint32_t structure)
 {
     const smr_shape_structure *one = &f->shape->structure[structure];

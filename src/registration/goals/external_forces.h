@@ -16,8 +16,8 @@ typedef struct smr_force_totals {
     uint32_t n_rejected;    /* active vertices with a target but without a goal */
     uint32_t n_residuals;   /* active vertices with a goal and a residual */
     float goal_mean;        /* mean distance to the goal over all active vertices with a goal, mm */
-    float mean, rms, max;   /* residual of the n_residuals vertices, mm */
-    float largest[2];       /* bounds on the two kinds of terms of the cluster sums: m u, and m u times a position */
+    float mean, rms, max;   /* mean, root mean square and largest of the n_residuals residuals, mm */
+    float largest[2];       /* largest term of a vertex in cluster sums: mass times displacement; that times position */
 } smr_force_totals;
 
 typedef struct smr_forces {
@@ -45,11 +45,11 @@ typedef struct smr_forces {
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_forces_reset(smr_forces *f);      /* discards the results of the forces of an abandoned iteration */
 void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
-/* Share of a structure's searched vertices that have a goal; -1: not yet searched on this target. */
+/* Returns the share of a structure's searched vertices that have a goal; -1: not yet searched on this target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
-/* Factor on the force of v, 0..1. At the end it falls for vertices with image goals, except near hard landmarks. */
+/* Returns the factor on the force of v, 0..1, which falls at the end for image goals, except near hard landmarks. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
 
 /* Steps: displacements to goals; contacts, and the displacements that end penetration; forces from displacements. */
@@ -78,11 +78,11 @@ static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 int smr_inputs_valid(const smr_forces *f); /* 1: no target or fixed surface has changed since it was set */
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_sources_reset(smr_forces *f);
-void smr_sources_commit(smr_forces *f);           /* when forces are complete: each source keeps its results */
-void smr_sources_drop(smr_forces *f, uint32_t v); /* clears the pulls on a vertex that does not use them */
+void smr_sources_commit(smr_forces *f);           /* stores the results of all sources of goals for the next forces */
+void smr_sources_drop(smr_forces *f, uint32_t v); /* sets the target's pulls on v to 0 */
 
-/* The displacement from v to its goal, mm: the weighted mean over all sources. *residual: distance to the closest point
- * on a target mesh, mm; -1: hardly visible, by at most a half; unchanged without such a point. Returns SMR_FOUND_... */
+/* Finds v's displacement to its goal, mm, the weighted mean of all sources. *residual: distance to the closest point
+ * on a target mesh, mm; -1: v is at most half visible; unchanged without such a point. Returns SMR_FOUND_... */
 uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual);
 
 #endif

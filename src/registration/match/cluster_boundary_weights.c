@@ -13,7 +13,7 @@ uint32_t smr_boundary_tasks(const void *arg)
 
 uint32_t smr_reference_boundary_tasks(const void *r) { return smr_boundary_tasks(((const smr_reference *)r)->sums); }
 
-/* Adds share / SMR_BOUNDARY_UNITS of the record of vertex `from`, or with r of the moments, to the sum of `to`. */
+/* Adds share / SMR_BOUNDARY_UNITS of the record (r not NULL: moments) of vertex `from` to the sum of `to`'s cluster. */
 static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     if (r != NULL) {
@@ -26,7 +26,7 @@ static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from
         sum[i] += smr_boundary_part((int64_t)smr_signed(record[i]) * share);
 }
 
-/* For each boundary pair of a task: adds each vertex' share to the sum of the other vertex' cluster. r: as in add(). */
+/* For each boundary pair of a task: adds each vertex' share to the other's cluster sum. r not NULL: sums moments. */
 static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 {
     const smr_schedule *schedule = s->schedule;
@@ -42,7 +42,7 @@ static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
     }
 }
 
-/* Pairs share vertices, so tasks run one after the other. */
+/* Adds boundary pairs' shares to cluster sums. Pairs share vertices, so tasks run one after the other. */
 void smr_boundary_sums(void *arg, uint32_t task, SMR_UNUSED uint32_t worker) { add_pairs(arg, NULL, task); }
 
 void smr_boundary_reference(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)

@@ -9,17 +9,17 @@
 #include "geometry/rotation/rotation.h"
 #include "registration/goals/external_forces.h"
 
-/* Sums Sigma_i(v) of paper 2.2. Moments of x^r, displacements and transforms are summed in turn. */
+/* Sums over the vertices of each cluster (paper 2.2), of moments of x^r, displacements and transforms in turn. */
 typedef struct smr_sums {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_forces *forces;
     smr_tally *tally;
-    uint32_t *record; /* [n][SMR_WORDS] fixed-point record of each vertex */
-    uint32_t *sum;    /* [n][SMR_WORDS] sum of the records over the vertex' cluster */
+    uint32_t *record; /* [n][SMR_WORDS] fixed-point values of each vertex that are summed */
+    uint32_t *sum;    /* [n][SMR_WORDS] sum of the records of all vertices of the vertex' cluster */
     float scale[2];   /* scales of the two kinds of quantities: stored = value * scale */
-    uint32_t words;   /* words in use: 6, 12 or 16 */
-    uint32_t pieces;  /* pieces of a block, each a task, in the current step; 0 or 1: blocks are not cut */
+    uint32_t words;   /* number of words of a record in use: 6, 12 or 16 */
+    uint32_t pieces;  /* number of tasks into which each block of the order L is cut in this step; 0 or 1: not cut */
 } smr_sums;
 
 /* The clusters in the reference shape, recomputed when x^r or the active vertices change. */
@@ -29,12 +29,12 @@ typedef struct smr_reference {
     const smr_shape *shape;
     smr_sums *sums; /* sums the moments of x^r before the displacements */
     smr_tally *tally;
-    uint32_t stale;      /* 1: x^r or the active vertices are new */
-    uint32_t missing;    /* 1: the arrays below must be recomputed after a restore */
-    float *centre;       /* [n][3] c^r of each cluster, mm */
-    float *spread;       /* [n][6] inverse inertia tensor (rigid) or covariance (polar), upper triangle */
+    uint32_t stale;   /* 1: x^r or the active vertices are new */
+    uint32_t missing; /* 1: centre, spread, cluster_mass and share must be computed after a restore */
+    float *centre;    /* [n][3] c^r of each cluster, mm */
+    float *spread;    /* [n][6] inverse inertia tensor (rigid) or covariance (polar) of each cluster, upper triangle */
     float *cluster_mass; /* [n] mass M of the cluster. Centre, spread and M exist for active vertices' clusters only */
-    float *share;        /* [n] 1 / |zeta|, where |zeta| counts active members; 0 without members */
+    float *share;        /* [n] 1 / number of active vertices of the cluster; 0 without active vertices */
     float coarse, fine;  /* steps, mm, to which x^r is rounded for spreads and for centres */
     float per_coarse;    /* 1 / coarse, 1 / mm, exact */
     float per_fine;      /* 1 / fine, 1 / mm. A vector division would divide by 0 in its unused lane */
@@ -46,24 +46,24 @@ typedef struct smr_match {
     const smr_reference *reference;
     const smr_sums *sums;
     smr_tally *tally;
-    float *transform; /* [n][12] R - I row-major, t in mm; averaged by logarithms: the first 6 of 12 are a twist */
+    float *transform; /* [n][12] each cluster's transform: R - I row-major, t in mm; fusing lie: first 6: a twist */
     float *eigen;     /* [n][9] start values of the polar decomposition; NULL for the rigid method */
-    float largest[2]; /* largest entry of R - I or of the rotation vector; largest entry of t or of the rate, mm */
+    float largest[2]; /* largest entry of all R - I (or rotation vectors); largest entry of all t (or rates), mm */
 } smr_match;
 
-/* Sets the number of words of the next sums, and their scales. largest: bounds on the two kinds of summed values. */
+/* Sets number of words and scales of the next sums. largest0, largest1: bounds on a vertex' two kinds of values. */
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
 uint32_t smr_method_words(const smr_shared *c); /* number of words of a displacement's record */
 void smr_sums_at_once(smr_sums *s);             /* sums the records over all clusters, between iterations */
 
-/* Steps with a smr_sums: records of displacements; sums along the order L, a task a block or a piece of a block, for
- * moments, too; fractional weights of vertices near cluster boundaries, one task after the other. */
+/* Steps on smr_sums. smr_sums_record writes displacements as records. smr_sums_forest sums records over clusters; each
+ * task is a block of the order L, or a piece. smr_boundary_sums adds fractional weights, one task after the other. */
 smr_count_tasks smr_sums_record_tasks, smr_block_tasks, smr_boundary_tasks;
 smr_run_task smr_sums_record, smr_sums_forest, smr_boundary_sums;
 void smr_block_pieces(void *sums, int cut); /* sets smr_sums.pieces; cut 1: blocks may be cut into pieces */
 smr_count_tasks smr_block_abreast;          /* number of pieces that do not need each other's sums */
 
-/* value / SMR_BOUNDARY_UNITS, rounded to nearest, for values within +-2^62. Its time does not depend on the sign. */
+/* Returns value / SMR_BOUNDARY_UNITS, rounded to nearest, for values within +-2^62, in a time that is always equal. */
 static inline uint32_t smr_boundary_part(int64_t value)
 {
     const uint64_t up = (uint64_t)1 << 62;
@@ -73,7 +73,7 @@ static inline uint32_t smr_boundary_part(int64_t value)
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared);
 void smr_reference_begin(smr_reference *r); /* chooses `coarse` and `fine`, the steps to which x^r is rounded */
-void smr_reference_end(smr_reference *r);   /* marks the reference as current */
+void smr_reference_end(smr_reference *r);   /* marks centres, masses and spreads as current */
 
 /* Steps that run only where smr_reference_due(): distances of x^r from the posed rest shape; records of moments of x^r;
  * moments of vertices near cluster boundaries, one task after the other; centre, mass and spread of each cluster. */
@@ -91,22 +91,22 @@ void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
 void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
 void smr_match_end(smr_match *m);   /* computes m->largest from the results of the tasks */
 
-/* Steps with a smr_match: transforms of clusters; their records for averaging. */
+/* Steps on smr_match: smr_match_clusters computes the clusters' transforms; smr_average_record writes their records. */
 smr_count_tasks smr_match_cluster_tasks, smr_average_tasks;
 smr_run_task smr_match_clusters, smr_average_record;
 
 static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.motion.fusing == SMR_FUSING_LIE; }
 
-/* Number of words of a transform's record; the last three hold t or the rate. */
+/* Returns the number of words of a transform's record; the last three words hold t, or the rate of a twist. */
 static inline uint32_t smr_transform_words(const smr_shared *shared) { return smr_blends_logs(shared) ? 6u : 12u; }
 
-/* The averaged twist of a vertex, from its sum of 6 words. inverse: 1 / sums.scale; share: 1 / |zeta_i|. */
+/* Returns a vertex' averaged twist from its sum of 6 words. inverse: 1 / smr_sums.scale; share: smr_reference.share. */
 static inline smr_twist smr_average_twist(const uint32_t *w, const float inverse[2], float share)
 {
     return (smr_twist){smr_scale(smr_unfix3(w, inverse[0]), share), smr_scale(smr_unfix3(w + 3, inverse[1]), share)};
 }
 
-/* The averaged transform of a vertex, from its sum of 12 words: Sum_i(T) / |zeta_i|. Returns t, mm. */
+/* Writes R - I of a vertex' averaged transform to r_minus_i, from the vertex' sum of 12 words. Returns t, mm. */
 static inline smr_vec smr_average_transform(const uint32_t *w, const float inverse[2], float share, float r_minus_i[9])
 {
     for (uint32_t i = 0; i < 9u; i++)

@@ -9,10 +9,10 @@
 #include "registration/match/cluster_match.h"
 
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step, as a share of the coarse step */
-#define SMR_PART_BITS 10u               /* in dynamics a step is divided into 2^SMR_PART_BITS parts */
-#define SMR_INERTIA_FLOOR 1.0e-4f       /* a cluster thinner than this share of its length gets no torque along it */
-#define SMR_COARSE_MOST (1 << 15)       /* most coarse steps between members of a cluster, by step_for() */
-#define SMR_FINE_MOST (1 << 30)         /* most fine steps between members of a cluster */
+#define SMR_PART_BITS 10u         /* in dynamics positions are rounded to a coarse or fine step / 2^SMR_PART_BITS */
+#define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length gets no torque along it */
+#define SMR_COARSE_MOST (1 << 15) /* most coarse steps between members of a cluster, by step_for() */
+#define SMR_FINE_MOST (1 << 30)   /* most fine steps between members of a cluster */
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
 {
@@ -45,8 +45,8 @@ void smr_reference_reach(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     r->tally[task].reference.deviation2 = off2;
 }
 
-/* Largest distance between a cluster's vertex and a member in x^r, mm: the distance at rest, scaled by the rest pose,
- * plus the distances of both vertices from the rest shape in its pose. */
+/* Returns a bound on distances of members to a cluster's vertex in x^r, mm: the distance at rest, scaled by the rest
+ * pose, plus the distances of both vertices from the rest shape in its pose. */
 static float reach_bound(const smr_reference *r)
 {
     float off2 = 0.0f;
@@ -56,7 +56,7 @@ static float reach_bound(const smr_reference *r)
     return 1.01f * (r->schedule->lists.reach * scale + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
-/* The smallest power of two k, 2^-20..2^40 mm, with mass * (reach / k)^power <= 2^30. The time does not depend on k. */
+/* Returns the smallest power of two k, 2^-20..2^40 mm, with mass * (reach / k)^power <= 2^30, in equal time for all. */
 static float step_for(float mass, float reach, int power)
 {
     float k = 1.0f / 1048576.0f;
@@ -87,14 +87,14 @@ static inline int64_t nearest(float x)
     return (int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
 }
 
-/* A position in whole steps of 1 / inverse mm, modulo 2^32. Only differences within a cluster must fit. */
+/* Writes x in whole steps of 1 / inverse mm, modulo 2^32. Only differences within a cluster must fit. */
 static void steps_of(const float *x, float inverse, uint32_t out[3])
 {
     for (uint32_t a = 0; a < 3u; a++)
         out[a] = (uint32_t)(uint64_t)nearest(x[a] * inverse);
 }
 
-/* A position in parts of a step, modulo 2^64. */
+/* Writes x in units of 2^-SMR_PART_BITS / inverse mm, modulo 2^64. */
 static void parts_of(const float *x, float inverse, uint64_t out[3])
 {
     for (uint32_t a = 0; a < 3u; a++)
@@ -104,8 +104,8 @@ static void parts_of(const float *x, float inverse, uint64_t out[3])
 /* Returns p / 2^bits, rounded to nearest. */
 static uint32_t whole(uint64_t p, uint32_t bits) { return (uint32_t)((p + ((uint64_t)1 << (bits - 1u))) >> bits); }
 
-/* The origin of moments in coarse steps, modulo 2^32: x^r of stored vertex 0 in dynamics, where moments about a far
- * origin would have large rounding errors; otherwise the origin of x^r. */
+/* Writes the origin of moments in coarse steps, modulo 2^32: x^r of stored vertex 0 in dynamics, where moments about a
+ * far origin would have large rounding errors; otherwise the origin of x^r. */
 static void origin_of(const smr_reference *r, uint32_t out[3])
 {
     out[0] = out[1] = out[2] = 0;
@@ -113,7 +113,7 @@ static void origin_of(const smr_reference *r, uint32_t out[3])
         steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
 }
 
-/* A position in whole coarse steps from the origin of moments, modulo 2^32. */
+/* Writes x in whole coarse steps from the origin of moments, modulo 2^32. */
 static void steps_from(const smr_reference *r, const uint32_t origin[3], const float *x, uint32_t out[3])
 {
     steps_of(x, r->per_coarse, out);
@@ -167,19 +167,19 @@ void smr_reference_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         else
             record_steps(r, v, m, w);
         w[0] = m;
-        w[13] = SMR_BOUNDARY_UNITS; /* one member: the sum counts the cluster's members */
+        w[13] = SMR_BOUNDARY_UNITS; /* a member's count of 1: the sum counts the cluster's members */
         w[14] = w[15] = 0;
     }
 }
 
-/* a - b in steps, cut off at +-most, which members of one cluster do not exceed unless the model is forged. */
+/* Returns a - b in steps, cut off at +-most, which members of a cluster do not exceed unless the model is forged. */
 static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
 {
     const int32_t d = smr_signed(a - b);
     return d > most ? most : (d < -most ? -most : d);
 }
 
-/* The moments are about the cluster's vertex `to`, so that they are small integers. Word 14 sums fractions of mass. */
+/* Adds moments about the cluster's vertex `to`, which are small integers there. Word 14 sums fractions of mass. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, origin[3], q[3], f[3], there[3], fine[3], first[3];
@@ -203,7 +203,7 @@ void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t sha
     w[14] += (uint32_t)m;
 }
 
-/* The pseudo-inverse of the inertia tensor of a covariance, also defined for lines and points. */
+/* Writes the pseudo-inverse of the inertia tensor of covariance c, also defined for lines and points. */
 static void invert_inertia(const float c[6], float out[6])
 {
     const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];

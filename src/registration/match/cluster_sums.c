@@ -15,7 +15,7 @@ void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1
 
 uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
-/* A task is a block, or a piece of a block: task = piece * n_blocks + block. */
+/* Returns the number of tasks. A task is a block, or a piece of a block: task = piece * n_blocks + block. */
 uint32_t smr_block_tasks(const void *arg)
 {
     const smr_sums *s = arg;
@@ -38,7 +38,7 @@ uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->sc
 
 uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->schedule); }
 
-/* Writes records of u = x + f^e - x^r: m u, then m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9 words). */
+/* Writes records of u = x + f^e - x^r: m u (m: mass), then m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9). */
 void smr_sums_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_sums *s = arg;
@@ -62,7 +62,7 @@ void smr_sums_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* Four words that are added together: not all compilers vectorise a loop over words. */
+/* Four words for four additions at once: not all compilers vectorise a loop over words. */
 typedef uint32_t lanes __attribute__((vector_size(16)));
 
 static inline lanes load_lanes(const uint32_t *from)
@@ -74,7 +74,7 @@ static inline lanes load_lanes(const uint32_t *from)
 
 static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l); }
 
-/* Serves both index widths and three record lengths: `n_lanes` and the index width are constants at each call, so the
+/* Adds (+=) or subtracts (-=) a vertex' record to acc. n_lanes and the index width are constants at each call, so the
  * compiler makes a loop for each. Lists ascend, so the first inactive vertex (`limit` or above) ends a list. */
 #define SMR_ADD(operation, vertex)                                                                                     \
     {                                                                                                                  \
@@ -126,7 +126,7 @@ typedef struct piece {
 SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
 SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
 
-/* Sums along the chain of one piece. Returns the index after the last index of the piece. */
+/* Computes the cluster sums of one piece of the order L. Returns the index after the last index of the piece. */
 static uint32_t chain(const smr_sums *s, piece p)
 {
     const smr_lists *l = &s->schedule->lists;

@@ -23,7 +23,7 @@ void smr_match_reset(smr_match *m)
             m->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
 }
 
-/* The rotation vector of a cluster by rigid-body kinematics, rad. mu: sum of m u; w: words of Sum m x^r x u. */
+/* Returns a cluster's rotation vector by rigid-body kinematics, rad. mu: sum of m u; w: words of Sum m x^r x u. */
 static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse)
 {
     const smr_reference *const r = m->reference;
@@ -35,7 +35,7 @@ static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint
     return turn_deg > 0.0f ? smr_turn_within(turn, turn_deg * SMR_RADIANS) : turn;
 }
 
-/* R - I of a cluster by polar decomposition. w: the words of the sum of m u x^r^T. */
+/* Writes R - I of a cluster by polar decomposition to r_minus_i. w: the words of the sum of m u x^r^T. */
 static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
 {
     const float *c = smr_at3(m->reference->centre, v), *i = m->reference->spread + 6u * (size_t)v;

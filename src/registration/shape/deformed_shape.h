@@ -20,20 +20,20 @@ typedef struct smr_shape_structure {
 /* State of tracking's rest shape, besides arrays. */
 typedef struct smr_track_rest {
     smr_box box;                /* box around track_rest_x, mm */
-    smr_pose rest_pose;         /* pose of the model's rest shape when the schedule ended: near track_rest_x */
+    smr_pose rest_pose;         /* similarity from the model's rest shape onto track_rest_x */
     smr_pose whole;             /* rigid pose from track_rest_x to x, all structures together */
     smr_fit one, all;           /* sums of the fits: of the current structure, of the whole model */
     uint32_t structure, vertex; /* next structure and vertex of the summation, in the caller's numbering */
     uint32_t n_tasks;           /* number of tasks of the summation */
     uint32_t due;               /* 1: x^r becomes track_rest_x in new poses in this iteration */
     uint32_t predicted;         /* 1: structures were already moved ahead for the current targets */
-    /* place to which the pose of vertex v, moved to x, is fitted; NULL: x. Written by dynamics.c */
+    /* returns the place to which a structure's pose fits vertex v, which is at x; NULL: x. Set by dynamics.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
 } smr_track_rest;
 
 typedef struct smr_shape {
     const smr_shared *shared;
-    smr_vec origin; /* origin of all positions, mm, whole numbers */
+    smr_vec origin; /* origin of all positions in the caller's coordinates, mm, whole numbers */
     /* written when positions are set */
     float *start;      /* [n][3] start positions, mm */
     smr_box start_box; /* box around the start positions, mm */
@@ -67,7 +67,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees and their places in the arrays */
 
 /* Moving triangles: their normals, and box trees where a stage needs them. */
-void smr_triangles_follow(smr_shape *shape, const float *xyz); /* the triangles read these positions from now on */
+void smr_triangles_follow(smr_shape *shape, const float *xyz); /* lets the triangles read their corners at xyz [n][3] */
 void smr_triangles_now(smr_shape *shape);                      /* updates all normals and boxes at x */
 smr_count_tasks smr_triangles_tasks;
 smr_run_task smr_triangles_refit;
@@ -82,18 +82,18 @@ void smr_rest_pose_now(smr_shape *shape); /* fits rest_pose at once, without ste
 /* tracking_rest_shape.c, in tracking and dynamics: x^r is tracking's rest shape, each structure in its best-fitting
  * pose. The fit is to x_next at the end of an iteration. */
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
-void smr_track_rest_wire(smr_shape *shape);   /* counts tasks, once the structures are known */
+void smr_track_rest_wire(smr_shape *shape);   /* counts the summation's tasks in n_tasks */
 void smr_track_rest_derive(smr_shape *shape); /* computes the box around track_rest_x */
 void smr_track_rest_start(smr_shape *shape);  /* x becomes tracking's rest shape */
 smr_count_tasks smr_track_rest_sum_tasks;
-smr_run_task smr_track_rest_sum; /* sums for the poses; one task after the other */
+smr_run_task smr_track_rest_sum; /* adds a chunk of vertices to the fits of poses; one task after the other */
 void smr_track_rest_sum_end(smr_shape *shape);
-void smr_track_rest_commit(smr_shape *shape);     /* called when the iteration is complete: x^r follows */
-void smr_track_rest_keep_image(smr_shape *shape); /* image_x = x, when the tracked image becomes outdated */
-/* called for new targets: moves structures ahead by their last motion, if steady is 1 */
+void smr_track_rest_commit(smr_shape *shape);     /* sets x^r to track_rest_x in the new poses */
+void smr_track_rest_keep_image(smr_shape *shape); /* copies x to image_x when the tracked image becomes outdated */
+/* for new targets: stores each structure's pose; steady 1: also moves structures ahead by their last motion */
 void smr_track_rest_predict(smr_shape *shape, int steady);
 
-/* The position of a stored vertex in the rest shape, mapped by rest_pose, mm. */
+/* Returns the position of a stored vertex in the rest shape, mapped by rest_pose, mm. */
 static inline smr_vec smr_rest_posed(const smr_shape *shape, uint32_t vertex)
 {
     return smr_pose_apply(&shape->rest_pose, smr_rest(shape->shared, vertex));

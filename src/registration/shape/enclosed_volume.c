@@ -12,7 +12,7 @@
 #define SMR_FLAT 1.0e-6f      /* least determinant of a covariance with largest entry 1 that has an orientation */
 #define SMR_NEWTON 12u        /* Newton steps; the cubic is nearly linear in its range */
 
-/* The position of a vertex in xyz [n][3], mm; NULL: in the rest shape. */
+/* Returns the position of vertex v in xyz [n][3], mm; xyz NULL: in the rest shape. */
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)
 {
     return xyz != NULL ? smr_get3(xyz, v) : smr_rest(shape->shared, v);

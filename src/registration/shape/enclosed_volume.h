@@ -12,9 +12,9 @@ typedef struct smr_enclosed {
     float c[4];
 } smr_enclosed;
 
-/* The apex of the cones, mm: mean of some vertices of the structure at xyz [n][3] (NULL: rest shape). */
+/* Returns the apex of a structure's cones, mm: the mean of some vertices at xyz [n][3] (NULL: rest shape). */
 smr_vec smr_cone_apex(const smr_shape *shape, uint32_t structure, float *xyz);
-/* The volume of the cone over a triangle with its apex at 0. at, normal: positions and normals of the corners. */
+/* Returns the volume of the cone from 0 to a triangle. at, normal: positions (mm) and normals of the corners. */
 smr_enclosed smr_cone(const smr_vec at[3], const smr_vec normal[3]);
 
 static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
@@ -24,13 +24,13 @@ static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
     return a;
 }
 
-/* The displacement of all vertices along their normals that gives this volume, mm, within +-most. */
+/* Returns the displacement of all vertices along their normals that gives this volume, mm, within +-most. */
 float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most);
-/* The volume of a structure with its vertices at x [n][3] (NULL: rest shape), mm^3. */
+/* Returns the volume of a structure with its vertices at x [n][3] (NULL: rest shape), mm^3. */
 float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
 /* Returns 1 when the structure's rest shape is closed. *mm3: its volume; *thick_mm: volume / area. */
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
-/* Scale of the similarity that maps the whole model's rest shape onto the start positions. */
+/* Returns the scale of the similarity that maps the whole model's rest shape onto the start positions. */
 float smr_start_scale(const smr_shape *shape);
 int smr_start_mirrored(const smr_shape *shape); /* 1: the start positions are a mirror image of the rest shape */
 

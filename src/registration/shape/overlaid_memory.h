@@ -53,8 +53,8 @@ typedef union smr_tally {
 
 /* Sums over the mesh neighbours of each vertex, in the memory of the records. */
 typedef struct smr_rings {
-    float *sum;          /* [n][3] sum over the mesh neighbours */
-    float *weight;       /* [n] weight of the sum */
+    float *sum;          /* [n][3] sum of the mesh neighbours' displacements, positions or steps, mm */
+    float *weight;       /* [n] sum of the neighbours' weights in `sum` */
     float *displacement; /* [n][3] tangential smoothing: displacement from the rest shape in its pose, mm */
     float *requested;    /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
 } smr_rings;
@@ -75,20 +75,20 @@ static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const
 
 /* Pulls of a cloud during their smoothing over the mesh, in the memory of the records behind the rings. */
 typedef struct smr_spread {
-    float *pull;  /* [n][4] sum of the pulls, mm, and weight */
-    float *next;  /* [n][4] sum over the neighbours in the current round */
-    float *count; /* [n] number of neighbours */
+    float *pull;  /* [n][4] weighted sum of the pulls on a vertex, mm, and sum of their weights */
+    float *next;  /* [n][4] sum of the neighbours' pulls and weights in the current round of smoothing */
+    float *count; /* [n] number of mesh neighbours of a vertex, counted once a triangle */
 } smr_spread;
 
 typedef struct smr_overlay {
-    uint32_t *record; /* [n][SMR_WORDS] records */
-    uint32_t *sum;    /* [n][SMR_WORDS] sums, at least n_sum words */
+    uint32_t *record; /* [n][SMR_WORDS] fixed-point records of vertices, or other contents (top of this file) */
+    uint32_t *sum;    /* [n][SMR_WORDS] sums of records over clusters and next normals; at least n_sum words */
     smr_rings rings;
     smr_spread spread;
     smr_tally *tally; /* [n_tallies] results of tasks */
 } smr_overlay;
 
-/* Places the memory. words: words of a record; n_sum: fewest words of `sum`. */
+/* Takes record, sum and tally from the arena. words: words of a record; n_sum: fewest words of `sum`. */
 static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, uint32_t words, size_t n_sum,
                                       uint32_t n_tallies)
 {

@@ -20,7 +20,7 @@ typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 
 /* Result of a vertex' search for a goal: no target, or one that does not show the vertex; a goal; no acceptable goal;
- * the image gives no answer. Then that of the search in the image alone. */
+ * the image gives no answer. Second list: result of the search in the image alone. */
 enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED, SMR_INVISIBLE };
 
@@ -28,7 +28,7 @@ enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED, SMR_INVISIBLE };
 typedef struct smr_shared {
     const smr_model *model;
     smr_config config;
-    uint32_t parts; /* SMR_PART_... in use */
+    uint32_t parts; /* sum of the SMR_PART_... that model and configuration need */
     uint32_t n;     /* number of vertices */
     uint32_t n_triangles, n_structures, n_radii, n_dihedrals;
     uint32_t n_tasks;         /* number of chunks of SMR_CHUNK vertices */
@@ -40,7 +40,7 @@ typedef struct smr_shared {
     float min_cos;            /* cosine of config.forces.normal_deg */
 } smr_shared;
 
-/* Number of target vertices that there is memory for. 0: no target attracts. */
+/* Returns the number of target vertices that the arena has memory for; 0: no target attracts. */
 static inline uint32_t smr_target_slots(const smr_shared *shared) { return shared->config.basic.n_target_vertices; }
 
 /* Age of the tracked image: not yet used by an iteration; used; outdated, since other targets have changed. */
@@ -54,7 +54,7 @@ typedef struct smr_schedule {
     uint32_t n_points;         /* points of all clouds when this radius began */
     uint32_t since_plastic;    /* complete iterations since x^r last changed */
     uint32_t plastic_updates;  /* number of plastic updates since the start */
-    uint32_t converged, done;  /* as in smr_tick_report */
+    uint32_t converged, done;  /* 1: the schedule has ended at rest; 1: the schedule has ended */
     uint32_t repairing;        /* iterations of fold repair before this radius; 0: none */
     uint32_t n_set;            /* number of times that targets were set */
     uint32_t serial_of_forces; /* n_set when the last forces were complete */
@@ -66,16 +66,16 @@ typedef struct smr_schedule {
     float momentum;            /* share of the last displacement that is added to the forces at this radius */
     float fade;        /* 0..1: share of image forces and momentum; falls at the end of a registration to an image */
     float profile_mm;  /* search distance of intensity profiles in this iteration, mm */
-    float farthest_mm; /* profile_mm without the limit by the radius, mm */
+    float farthest_mm; /* search distance of intensity profiles without the limit by the cluster radius, mm */
     float gradient_mm; /* search distance of edges in this iteration, mm */
     /* written by tracking, and when inputs are set */
     uint32_t tracking;        /* 1: the schedule is done, and targets are tracked */
     uint32_t recovering;      /* 1: at a coarser radius after a jump of targets; 2: back at the radius of tracking */
     uint32_t changed;         /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */
-    uint32_t settled, jumped; /* as in smr_tick_report */
+    uint32_t settled, jumped; /* 1: the tracked model is at rest; 1: the present targets have jumped */
     uint32_t image_age;       /* age of the tracked image, SMR_IMAGE_.. */
     float gain;               /* factor on forces while targets are tracked; 1 except at coarser radii after a jump */
-    float noise_mm;           /* typical residual of the targets before, at their last iteration, mm */
+    float noise_mm;           /* typical residual of the previous targets in their last iteration, mm */
     float found;              /* share of vertices that had goals on the last targets, 0..1 */
 } smr_schedule;
 
@@ -100,11 +100,11 @@ static inline uint32_t smr_active_end(const smr_schedule *p, uint32_t task)
     return smr_min_u32((task + 1u) * SMR_CHUNK, p->n_active);
 }
 
-/* Number of tasks of SMR_CHUNK, or of SMR_MATCH_CHUNK, active vertices. */
+/* Return the number of tasks for all active vertices, SMR_CHUNK or SMR_MATCH_CHUNK vertices a task. */
 static inline uint32_t smr_active_tasks(const smr_schedule *p) { return smr_ceil_div(p->n_active, SMR_CHUNK); }
 static inline uint32_t smr_match_tasks(const smr_schedule *p) { return smr_ceil_div(p->n_active, SMR_MATCH_CHUNK); }
 
-/* Number of tasks of SMR_TRIANGLE_CHUNK triangles. */
+/* Returns the number of tasks for all triangles, SMR_TRIANGLE_CHUNK triangles a task. */
 static inline uint32_t smr_triangle_tasks(const smr_shared *c)
 {
     return smr_ceil_div(c->n_triangles, SMR_TRIANGLE_CHUNK);
@@ -120,14 +120,14 @@ static inline float smr_mass(const smr_shared *c, uint32_t vertex)
     return smr_le_float(((const uint32_t *)smr_at(c->model, c->model->at_mass))[vertex]);
 }
 
-/* The position of a stored vertex in the model's rest shape, mm from the model's centre. */
+/* Returns the position of a stored vertex in the model's rest shape, mm from the model's centre. */
 static inline smr_vec smr_rest(const smr_shared *c, uint32_t vertex)
 {
     const uint32_t *rest = (const uint32_t *)smr_at(c->model, c->model->at_rest) + 3u * (size_t)vertex;
     return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
 }
 
-/* Index of the last radius of the schedule. */
+/* Returns the index of the last radius of the schedule. */
 static inline uint32_t smr_last_radius(const smr_shared *c)
 {
     return smr_min_u32(c->config.schedule.radius_last, c->n_radii - 1u);
@@ -138,7 +138,7 @@ static inline int smr_at_last_radius(const smr_shared *c, const smr_schedule *p)
     return p->radius == smr_last_radius(c);
 }
 
-/* The signed number that a wrapped 32-bit word represents. */
+/* Returns the signed number that a wrapped 32-bit word represents. */
 static inline int32_t smr_signed(uint32_t word)
 {
     int32_t value;

@@ -97,7 +97,7 @@ void smr_track_rest_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     h->vertex = 0;
 }
 
-/* The composition of two poses: first p, then q. */
+/* Returns the composition of two poses: first p, then q. */
 static smr_pose after(const smr_pose *q, const smr_pose *p)
 {
     smr_pose r;
@@ -141,7 +141,7 @@ static smr_pose inverse(const smr_pose *p)
     return r;
 }
 
-/* The rigid motion by this share of the turn and the shift of p, about the same axis. */
+/* Returns the rigid motion by this share of the turn and the shift of p, about the axis of p. */
 static smr_twist part_of(const smr_pose *p, float share)
 {
     float r_minus_i[9];

@@ -96,7 +96,7 @@ int smr_targets_valid(const smr_surface_goals *g)
     return 1;
 }
 
-/* The position of vertex v, mm from the target's origin. */
+/* Returns the position of vertex v, mm from the target's origin. */
 static smr_vec from_target(const smr_surface_goals *g, uint32_t v, const smr_surface *target)
 {
     return smr_add(smr_get3(g->shape->x, v), smr_sub(g->shape->origin, target->origin));
@@ -127,7 +127,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     return !smr_reject_outside(c, smr_add(smr_add(p, find->displacement), target->origin));
 }
 
-/* Goals that jump between places of the target jump along the surface. Vertices without triangles have no normal. */
+/* Reduces the part along the surface, since goals jump along it. Vertices without triangles have no normal. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
 {
     const smr_vec n = smr_get3(g->shape->normal, v), along_normal = smr_scale(n, smr_dot(n, displacement));
@@ -136,7 +136,7 @@ smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displace
     return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
 }
 
-/* The mean of the displacement to the goal and the mean pull of this weight, mm. */
+/* Returns the mean, mm, of the displacement `goal` to the closest point and the mean pull, which has this weight. */
 static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
 {
     const float share = has_goal ? g->shared->config.basic.attraction * weight : weight;
@@ -156,7 +156,7 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
     return has_goal || weight > 0.0f;
 }
 
-/* The displacement of vertex v to the closest point of a target triangle, mm. */
+/* Returns the displacement of vertex v to the closest point of a target triangle, mm. */
 static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
 {
     const uint32_t *const t = target->triangle + 3u * (size_t)triangle;

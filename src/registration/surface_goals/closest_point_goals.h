@@ -10,7 +10,7 @@
 #define SMR_FORCE_CHUNK 4u        /* vertices, or target vertices, of a task that searches a surface */
 #define SMR_VISIBLE_ONE 255u      /* visibility of a fully visible vertex */
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
-#define SMR_PULL_FULL 0.25f       /* mean target areas whose pulls have full weight */
+#define SMR_PULL_FULL 0.25f       /* pulling area, in mean areas of a target vertex, from which on pulls count fully */
 
 typedef struct smr_target {
     const smr_surface *surface;   /* the target; NULL: none */
@@ -35,18 +35,18 @@ typedef struct smr_goal {
     uint32_t structure;  /* first structure with this target */
     uint32_t first_body; /* first index of its components in body_weight and body_sum */
     uint32_t n_bodies;   /* components of the surface with a number of their own; 0 where there is no room for them */
-    float scale, area_share; /* as in smr_target, of the current forces */
+    float scale, area_share; /* scale of residuals, mm; share of the area that the model can cover; current forces */
     float model_area;        /* mm^2: area of the structures with this target, summed so far */
 } smr_goal;
 
 /* Sums over the vertices of a component of a target. */
 typedef struct smr_body_sum {
     uint64_t area;   /* area of the vertices, in units of 1 / 65536 of the mean area of a target vertex */
-    uint64_t inlier; /* area times weight */
+    uint64_t inlier; /* sum of area times inlier weight, in the units of `area` */
 } smr_body_sum;
 
 #define SMR_RESIDUAL_NONE 65535u /* target_residual of a vertex without a closest point */
-#define SMR_RESIDUALS 200u       /* eighths of an octave in which residuals are counted; the last one: none */
+#define SMR_RESIDUALS 200u /* bins of the histogram of residuals, an eighth of an octave each; last bin: no residual */
 #define SMR_BODY_SLOTS(n_structures) (SMR_BODY_PART + SMR_BODY_FIRST * (n_structures))
 
 /* A structure's cloud when it was set. */
@@ -72,12 +72,12 @@ typedef struct smr_surface_goals {
     uint32_t *warm;        /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] closest target triangle in the current forces, which may be restarted */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
-    uint16_t *target_residual; /* [n_target_vertices] residuals (outlier_weights.c) */
-    uint64_t *histogram;       /* [SMR_RESIDUALS] area of a target's vertices by residual */
-    uint8_t *body_weight;      /* [SMR_BODY_SLOTS] 0..255: how far the vertices of a component pull; 0: another body */
-    smr_body_sum *body_sum;    /* [SMR_BODY_SLOTS] */
-    int64_t *pull;       /* [n_workers][n][4] sums of pulls, and weight; 0 between iterations; NULL: no attraction */
-    uint8_t *visibility; /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
+    uint16_t *target_residual; /* [n_target_vertices] distance to the model, logarithmic (outlier_weights.c) */
+    uint64_t *histogram;       /* [SMR_RESIDUALS] area of the target vertices whose residuals lie in each bin */
+    uint8_t *body_weight;      /* [SMR_BODY_SLOTS] 0..255: weight of a component's pulls; 0: another body */
+    smr_body_sum *body_sum;    /* [SMR_BODY_SLOTS] area and inliers of each component */
+    int64_t *pull; /* [n_workers][n][4] sum of pulls on each vertex, and weight; 0 between iterations; NULL: none */
+    uint8_t *visibility;      /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
     uint8_t *visibility_next; /* [n] visibility in the current forces */
     uint32_t partial;         /* 1: some target is partial */
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
@@ -85,7 +85,7 @@ typedef struct smr_surface_goals {
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
 void smr_surface_goals_reset(smr_surface_goals *g);  /* discards all results of the searches so far */
-void smr_surface_goals_commit(smr_surface_goals *g); /* called when the current forces are complete */
+void smr_surface_goals_commit(smr_surface_goals *g); /* stores the results of complete forces for the next forces */
 void smr_pulls_clear(smr_surface_goals *g);          /* sets all pulls of target vertices to 0 */
 void smr_target_warm_clear(smr_surface_goals *g);    /* discards the closest model triangles of target vertices */
 int smr_targets_valid(const smr_surface_goals *g);   /* 1: no target surface has changed since it was set */
@@ -96,24 +96,24 @@ typedef struct smr_surface_find {
     smr_vec displacement; /* from the vertex to the closest point, mm */
 } smr_surface_find;
 
-/* The displacement from vertex v to its goal on the target mesh, mm. Returns 0 without a goal. */
+/* Finds the displacement from vertex v to its goal on the target mesh, mm. Returns 0 without a goal. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
                      smr_surface_find *find);
 
-/* The displacement of v to its last closest triangle, averaged with the pulls, which stay, mm; 0 without both. */
+/* Returns the displacement of v to its last closest target triangle, averaged with the pulls on v, mm; or 0. */
 smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 
-/* A displacement, mm, with its part along the model's surface reduced to config.basic.slide. */
+/* Returns the displacement, mm, with its part along the model's surface multiplied by config.basic.slide. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement);
 
-/* A displacement to the target, mm, less config.partial.noise_mm; 0 within the noise. */
+/* Returns a displacement to the target, mm, shortened by config.partial.noise_mm; 0 within the noise. */
 static inline smr_vec smr_beyond_noise(const smr_surface_goals *g, smr_vec r)
 {
     const float noise = g->shared->config.partial.noise_mm;
     return noise > 0.0f ? smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise))) : r;
 }
 
-/* correspondence_rejection.c */
+/* correspondence_rejection.c: tests that reject goals. */
 int smr_reject_outside(const smr_config *c, smr_vec p); /* 1: p, mm in the caller's coordinates, is outside the box */
 int smr_reject_distance(const smr_surface_goals *g,
                         float d2); /* 1: a correspondence of squared length d2, mm^2, is an outlier */
@@ -134,11 +134,11 @@ static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *ta
     return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
 }
 
-/* Target-to-model attraction: the search of target vertices. */
+/* Step: each target vertex finds the closest point of the model, and pulls the model's vertices there. */
 smr_count_tasks smr_attract_tasks;
 smr_run_task smr_attract_search;
 
-/* The area of target vertex j divided by the mean area, at most 16; of a cloud: the weight of point j. */
+/* Returns the area of target vertex j divided by the mean area, at most 16; for a cloud, the weight of point j. */
 static inline float smr_target_area(const smr_surface *s, uint32_t j)
 {
     return s->area_mean > 0.0f ? smr_min(s->area[j] / smr_max(s->area_mean, 1.0e-20f), 16.0f) : 1.0f;
@@ -148,7 +148,7 @@ static inline float smr_target_area(const smr_surface *s, uint32_t j)
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2);
 void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm); /* stores a residual in target_residual[slot] */
 
-/* The goal on a structure's target, which must have one. */
+/* Returns the entry of g->goal for a structure's target; the structure must have a target. */
 static inline const smr_goal *smr_goal_of(const smr_surface_goals *g, uint32_t structure)
 {
     const smr_goal *goal = g->goal;
@@ -157,23 +157,23 @@ static inline const smr_goal *smr_goal_of(const smr_surface_goals *g, uint32_t s
     return goal;
 }
 
-/* Weights of the components of a structure's target, of which those with 0 hold no goal; NULL: all may. */
+/* Returns the weights of the components of a structure's target: 0: no goal lies there; NULL: goals lie on all. */
 const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure);
 /* Step: scale and inliers of each target, from the residuals; tasks run one after the other. */
 smr_count_tasks smr_outlier_tasks;
 smr_run_task smr_outlier_sum;
-/* Mean, mm, over the targets that pull, of the last median residual of what the model can cover; 0 without targets. */
+/* Returns the median residual, mm, of what the model can cover: the mean of all targets that pull; 0: no target. */
 float smr_residual_typical(const smr_surface_goals *g);
-void smr_outliers_commit(smr_surface_goals *g);                     /* called when the current forces are complete */
-void smr_outliers_forget(smr_surface_goals *g, uint32_t structure); /* a structure, or SMR_ALL, has another target */
+void smr_outliers_commit(smr_surface_goals *g);                     /* stores scales and weights of complete forces */
+void smr_outliers_forget(smr_surface_goals *g, uint32_t structure); /* discards scale and weights of an old target */
 
 /* reads the sum and the weight of the pulls on a vertex, in units of 1 / SMR_PULL_SCALE */
 void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4]);
-void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]); /* the same; clears the pulls */
-float smr_pull_mean(const int64_t sum[4], smr_vec *mean);            /* the mean pull, mm; returns its weight, 0..1 */
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]); /* reads the pulls on v, then sets them to 0 */
+float smr_pull_mean(const int64_t sum[4], smr_vec *mean); /* writes the mean pull, mm; returns its weight, 0..1 */
 
-/* The mean pull on a vertex, mm; clears the pulls. Returns the weight, 0..1, which is small where few target vertices
- * pull, so that a single target vertex makes no difference. */
+/* Writes the mean pull on v, mm, and clears the pulls. Returns the weight, 0..1, which is small where few target
+ * vertices pull, so that a single target vertex makes no difference. */
 float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean);
 
 #endif

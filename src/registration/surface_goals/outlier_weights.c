@@ -13,16 +13,16 @@
 #include "registration/surface_goals/closest_point_goals.h"
 
 #define SMR_OUTLIER_CHUNK 256u    /* target vertices, or triangles of the model, of a task */
-#define SMR_OUTLIER_SIGMA 1.4826f /* deviation of a normal distribution over its median absolute value */
+#define SMR_OUTLIER_SIGMA 1.4826f /* standard deviation / median absolute value of a normal distribution */
 #define SMR_OUTLIER_CUT 4.685f    /* deviations at which the biweight is 0: 95 % efficiency for normal residuals */
-#define SMR_OUTLIER_EDGES 1.0f    /* smallest cut for a mesh, in mean edge lengths of the model: triangles are flat */
-#define SMR_OUTLIER_POINTS 0.25f  /* the same for a cloud: strays near the surface are the worst */
+#define SMR_OUTLIER_EDGES 1.0f    /* smallest residual of weight 0 on a mesh, in mean edges: triangles are flat */
+#define SMR_OUTLIER_POINTS 0.25f  /* smallest residual of weight 0 on a cloud, in mean edges: near strays harm most */
 #define SMR_OUTLIER_AREA 65536.0f /* areas are summed in units of 1 / 65536 of the mean area */
 #define SMR_OUTLIER_RADII 0.35f   /* smallest cut in cluster radii, up to the last radius: large clusters are stiff */
-#define SMR_OUTLIER_TRACK 24.0f   /* cluster radius over the scale that is assumed for a moved target */
-#define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they look whether it is 0 */
+#define SMR_OUTLIER_TRACK 24.0f   /* cluster radius / scale of residuals that is assumed for a moved target */
+#define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
-/* Share of inliers of a component over the largest share of one: another body below NONE, the model's above FULL. */
+/* A component's share of inliers / largest share of a component: another body below NONE, the model's above FULL. */
 #define SMR_BODY_NONE 0.3f
 #define SMR_BODY_FULL 0.6f
 
@@ -37,7 +37,7 @@ void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm)
         (uint16_t)(steps <= SMR_RESIDUAL_LEAST ? 0u : smr_min_u32(steps - SMR_RESIDUAL_LEAST, SMR_RESIDUAL_NONE - 1u));
 }
 
-/* The least residual that is kept as so many steps, mm. */
+/* Returns the smallest residual, mm, that is stored as this number of steps. */
 static float residual_of(uint32_t steps) { return smr_float_of((SMR_RESIDUAL_LEAST + steps) << 13); }
 
 static float biweight(float r2, float cut)
@@ -46,7 +46,7 @@ static float biweight(float r2, float cut)
     return q * q;
 }
 
-/* The residual at which a vertex of a target of this scale has no weight, mm. */
+/* Returns the residual, mm, from which on vertices of a target with this scale have no weight. */
 static float cut_of(const smr_surface_goals *g, const smr_surface *surface, float scale)
 {
     const float edges = smr_is_cloud(surface) ? SMR_OUTLIER_POINTS : SMR_OUTLIER_EDGES;
@@ -77,13 +77,13 @@ const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t struc
     return goal->n_bodies == goal->surface->n_bodies ? g->body_weight + goal->first_body : NULL;
 }
 
-/* Tasks of one pass over a target; 0: it does not pull. */
+/* Returns the number of tasks of one pass over a target; 0: the target does not pull. */
 static uint32_t pass_tasks(const smr_surface_goals *g, const smr_goal *goal)
 {
     return smr_attracts(g, goal->surface) ? smr_ceil_div(goal->n_vertices, SMR_OUTLIER_CHUNK) : 0u;
 }
 
-/* Tasks over the model's triangles: only for a new radius or target, and not for points, which are all the model's. */
+/* Returns the number of tasks over model triangles: 0 unless radius or target is new, and for points (all inliers). */
 static uint32_t area_tasks(const smr_surface_goals *g, const smr_goal *goal)
 {
     const int known = g->target[goal->structure].area_share > 0.0f && g->schedule->radius_iteration > 0u;
@@ -119,7 +119,7 @@ static void add_area(const smr_surface_goals *g, smr_goal *goal, uint32_t first,
     }
 }
 
-/* Largest share of a target's area that the structures with this target can cover. */
+/* Returns the largest share of a target's area that the structures with this target can cover. */
 static float area_share(const smr_surface_goals *g, const smr_goal *goal)
 {
     const float all = goal->surface->area_mean * (float)goal->surface->n_used;
@@ -143,7 +143,7 @@ static void tally(smr_surface_goals *g, uint32_t steps, uint32_t area)
     g->histogram[eighth + 1u] += (uint64_t)area * part;
 }
 
-/* The scale of a target's residuals, mm; 0: the model reaches too little of it. */
+/* Returns the scale of a target's residuals, mm; 0: the model reaches too little of the target. */
 static float scale_of(const smr_surface_goals *g, float share)
 {
     float half = 0.0f, sum = 0.0f;
@@ -206,7 +206,7 @@ void smr_outlier_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 
 static float inlier_share(const smr_body_sum *sum) { return (float)sum->inlier / smr_max((float)sum->area, 1.0f); }
 
-/* Weighs each component of a target. */
+/* Sets the weight of each component of a target by the component's share of inliers. */
 static void weigh_bodies(smr_surface_goals *g, const smr_goal *goal)
 {
     const smr_body_sum *sum = g->body_sum + goal->first_body;

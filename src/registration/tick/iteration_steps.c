@@ -54,7 +54,7 @@ static void triangles_end(smr *s) { smr_triangles_end(&s->shape); }
 static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
 static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
 
-/* Updates the triangles once more where fold steps moved vertices. */
+/* Returns the number of tasks that update the triangles once more; 0: no fold step moved a vertex. */
 static uint32_t triangles_again(const void *arg)
 {
     const smr *s = arg;
@@ -104,7 +104,7 @@ void smr_abandon_iteration(smr *s)
     s->step = s->next_task = 0;
 }
 
-/* A step whose tasks run in any order; one after the other (SERIAL); along the order L, in pieces (CHAIN). */
+/* Rows of steps: tasks run in any order; one after the other (SERIAL); along the order L, in pieces (CHAIN). */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
 #define SMR_ROW(part, phase, work, order, member, n_tasks, run, end, pieces, abreast)                                  \
     {                                                                                                                  \

@@ -51,7 +51,7 @@ extern const uint32_t smr_n_steps;
 static inline int smr_step_on(const smr *s, const smr_step *step) { return (step->part & s->shared.parts) != 0u; }
 static inline void *smr_stage_of(smr *s, const smr_step *step) { return (char *)s + step->stage; }
 
-/* The number of the step's tasks, which may grow while they run. */
+/* Returns the number of the step's tasks, which may grow while tasks run. */
 static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
 {
     const int due = step->part != SMR_PART_REFERENCE || smr_reference_due(&s->reference);
@@ -75,13 +75,13 @@ void smr_schedule_next(smr *s);  /* after an iteration: plasticity, the next rad
 /* time_budget.c: fits an iteration into a time budget. */
 void smr_budget_start(smr *s);                    /* sets all costs to unknown */
 void smr_budget_plan(smr *s, uint64_t budget_ns); /* before an iteration: decides whether vertices may be left out */
-void smr_budget_resume(smr *s);                   /* when a tick continues an iteration: notes that it is late */
-void smr_budget_done(smr *s);                     /* after an iteration: learns its time; adapts the margin */
+void smr_budget_resume(smr *s);                   /* when a tick continues an iteration: marks the iteration as late */
+void smr_budget_done(smr *s);                     /* after an iteration: stores its time; adapts the margin */
 /* returns 1 when the remaining time, left_ns, is needed for the rest of the iteration */
 int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
 uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
 uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* predicted ns of `group` tasks; 0: unknown */
-void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);      /* adds the time between two readings */
-void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* after a step: learns its cost */
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);      /* adds ns to the step's time */
+void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* after a step: stores its cost */
 
 #endif

@@ -111,7 +111,7 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
     memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
 
-/* The report for the caller: without measures of forces on former targets, which the log records. */
+/* Returns the report for the caller: without measures of forces on former targets, which the log records. */
 static smr_tick_report report_of(const smr *s)
 {
     smr_tick_report r = s->report;

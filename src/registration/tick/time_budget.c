@@ -16,7 +16,7 @@
 #define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
 #define SMR_MARGIN_MAX 1.5f  /* largest factor on the reserve */
 #define SMR_LATE 0.0625f     /* added to the factor on the reserve when an iteration did not end in its tick */
-#define SMR_IN_TIME 0.001f   /* subtracted from that factor when it ended in time: about one in sixty is late */
+#define SMR_IN_TIME 0.001f   /* subtracted from the factor on the reserve per iteration in time: one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
 #define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
 #define SMR_FORK_TASKS 64.0f      /* most tasks of a worker in one parallel loop */
