@@ -17,22 +17,22 @@
 
 #define SMR_OBSERVATIONS 64u      /* most observations: visible vertices that the field is fitted to */
 #define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
-#define SMR_NORMAL_LENGTH 0.5f    /* kernel length over the diagonal of the structure's box */
-#define SMR_NORMAL_NOISE 0.01f  /* assumed noise variance over the field's variance, for the bend and the first size2 */
-#define SMR_NOISE_LEAST 0.002f  /* share of the field's variance that is finer than its kernel and counts as noise */
-#define SMR_NOISE_MOST 0.25f    /* largest noise variance over it: a coarse model's residual is not all noise */
-#define SMR_NOISE_ROUNDS 5u     /* rounds that find size2 with the measured noise */
-#define SMR_NOISE_SHARE 0.64f   /* squared mean over mean square of an error by noise: 2 / pi */
-#define SMR_UNSEEN_NEAR 0.15f   /* variance across an invisible vertex near the visible ones, over the process' */
-#define SMR_UNSEEN_IMAGE 0.75f  /* the same share where an image shows a part: landmarks bend the start, no growth */
-#define SMR_UNSEEN_ACROSS 4.0f  /* growth of that variance at a kernel length from the visible vertices */
-#define SMR_UNSEEN_ALONG 2.5f   /* growth of the variance along the surface there */
-#define SMR_PARTIAL_ALONG 0.45f /* variance along the surface over the process' where a regression limits sliding */
-#define SMR_ALONG_LEAST 0.05f   /* smallest error along the surface, in mean edge lengths: vertices slide that far */
-#define SMR_NORMAL_MOTIONS 8.0f /* variance of the motions over the field's; turns and scale at a kernel length */
-#define SMR_NORMAL_MORE 0.5f    /* variance of the motion from the start over the square of that motion */
-#define SMR_NORMAL_MOST 4.0e3f  /* largest variance of that motion over the field's: beyond it rounding is noise */
-#define SMR_NORMAL_TURN 0.1f    /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+#define SMR_NORMAL_LENGTH 0.5f    /* kernel length divided by the diagonal of the structure's box */
+#define SMR_NORMAL_NOISE 0.01f    /* assumed noise variance / field's variance, for the bend and the first size2 */
+#define SMR_NOISE_LEAST 0.002f    /* share of the field's variance that is finer than its kernel and counts as noise */
+#define SMR_NOISE_MOST 0.25f      /* largest noise variance / field's variance: a coarse residual is not all noise */
+#define SMR_NOISE_ROUNDS 5u       /* rounds that find size2 with the measured noise */
+#define SMR_NOISE_SHARE 0.64f     /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
+#define SMR_UNSEEN_NEAR 0.15f     /* variance across / process' variance, at invisible vertices near visible ones */
+#define SMR_UNSEEN_IMAGE 0.75f    /* variance across / process' variance, invisible vertices of a partly shown model */
+#define SMR_UNSEEN_ACROSS 4.0f    /* growth of variance across / process' variance, a kernel length from the visible */
+#define SMR_UNSEEN_ALONG 2.5f     /* growth of variance along / process' variance, a kernel length from the visible */
+#define SMR_PARTIAL_ALONG 0.45f   /* variance along / process' variance where a regression limits sliding */
+#define SMR_ALONG_LEAST 0.05f     /* smallest error along the surface, in mean edge lengths: vertices slide that far */
+#define SMR_NORMAL_MOTIONS 8.0f   /* variance of shift, turn, scale (at a kernel length) / field's variance */
+#define SMR_NORMAL_MORE 0.5f      /* variance of the motion from the start / square of that motion */
+#define SMR_NORMAL_MOST 4.0e3f    /* largest variance of the motion from the start / field's; beyond: rounding errors */
+#define SMR_NORMAL_TURN 0.1f      /* smallest 1 + trace of a rotation in a divisor (4: no turn): limits half turns */
 
 /* The displacement from the start as a Gaussian process, observed along normals. */
 typedef struct normal_field {
@@ -43,19 +43,19 @@ typedef struct normal_field {
     float *open;       /* [n] change of the coefficients by the variance of the motion from the start */
     float *lower;      /* Cholesky factor of the observations' covariance, row by row */
     uint32_t n;        /* number of observations; 0: too few */
-    float noise;       /* noise variance along a normal over size2 */
-    float along;       /* variance along the surface over the process' */
+    float noise;       /* noise variance along a normal / size2 */
+    float along;       /* variance along the surface / process' variance */
     float across2;     /* variance by noise across the surface, mm^2 */
-    smr_pose pose;     /* pose of all visible vertices from the start */
+    smr_pose pose;     /* rigid pose that moves the start onto all visible vertices */
     int image_part;    /* 1: an image shows a part of the structure */
     smr_vec middle;    /* middle of the structure's box at the start, mm */
-    float motions;     /* variance of the motions over that of the displacement */
+    float motions;     /* variance of shift, turn and scale / variance of the displacement */
     float per_length2; /* 1 / l^2 of the kernel length l, 1 / mm^2 */
     float size2;       /* variance of the displacement along an axis, mm^2 */
     smr_vec shift;     /* motion from the start to the pose of all visible vertices: shift of the middle, mm */
-    smr_vec turn;      /* the same motion: rotation about the middle, mm at a kernel length */
-    float more;        /* variance of the factor on this motion over the displacement's variance; 0: not used */
-    float again;       /* the factor on this motion that the observations then give */
+    smr_vec turn;      /* motion from the start to that pose: rotation about the middle, mm at a kernel length */
+    float more;        /* variance of a factor on the motion from the start / size2; 0: not used */
+    float again;       /* factor on the motion from the start, as the observations give it */
 } normal_field;
 
 /* Places the arrays in the memory of sums. Returns the number of observations that this memory holds. */
@@ -80,7 +80,7 @@ static int is_observed(const smr *s, uint32_t v)
     return smr_vertex_visible(s, v) && smr_dot(n, n) > 0.5f;
 }
 
-/* Observes every k-th visible vertex of the structure in stored order, and fits the pose of all visible vertices. */
+/* Lists at most `most` visible vertices, evenly in stored order, as observations; adds all visible ones to the fit. */
 static void choose(normal_field *f, uint32_t structure, uint32_t most, smr_fit *fit)
 {
     const smr *s = f->s;
@@ -103,7 +103,7 @@ static void choose(normal_field *f, uint32_t structure, uint32_t most, smr_fit *
         if (f->n < wanted && (uint64_t)met * wanted >= (uint64_t)f->n * total) {
             smr_put3(f->at, f->n, p);
             smr_put3(f->normal, f->n, smr_get3(s->shape.normal, v));
-            smr_put3(f->lower, f->n++, smr_get3(s->shape.x, v)); /* kept until the factor needs the memory */
+            smr_put3(f->lower, f->n++, smr_get3(s->shape.x, v)); /* positions, until the factor needs the memory */
         }
         met++;
     }
@@ -112,16 +112,16 @@ static void choose(normal_field *f, uint32_t structure, uint32_t most, smr_fit *
     f->middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
 }
 
-/* The vector from the box's middle to a position, in kernel lengths. */
+/* Returns the vector from the middle of the structure's box to a position, in kernel lengths. */
 static smr_vec arm_of(const normal_field *f, smr_vec at)
 {
     return smr_scale(smr_sub(at, f->middle), SMR_SQRT(f->per_length2));
 }
 
-/* The displacement by the motion from the start at this arm, mm. */
+/* Returns the displacement, mm, by the motion from the start at an arm of arm_of(). */
 static smr_vec motion_at(const normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
 
-/* Covariance of the displacement at a position with observation i, over size2. */
+/* Returns the covariance of the displacement at a position with observation i, divided by size2. */
 static smr_vec with_observation(const normal_field *f, smr_vec at, uint32_t i)
 {
     const smr_vec n = smr_get3(f->normal, i), from = smr_get3(f->at, i);
@@ -144,8 +144,8 @@ static void factor(normal_field *f)
     }
 }
 
-/* Sets size2 to its most likely value for the noise's share, y K^-1 y / n. y: observed displacements. K: their
- * covariance. */
+/* Sets size2 to its most likely value for the noise `noise`, y K^-1 y / n. y: observed displacements. K: covariance of
+ * the observations. */
 static void find_size(normal_field *f)
 {
     factor(f);
@@ -170,15 +170,15 @@ static float find_sizes(normal_field *f, float noise2)
     return assumed;
 }
 
-/* The noise variance of visible vertices along normals, mm^2: the squared distance of a vertex from the mean of its
- * neighbours, less the same in the posed start. Six neighbours add a sixth of the variance. */
+/* Returns the noise variance of visible vertices, mm^2: squared difference, along the normal, of a vertex' displacement
+ * from the posed start and the mean of its neighbours'. Six neighbours add a sixth of the variance. */
 static float noise_of(const normal_field *f, uint32_t structure)
 {
     const smr *s = f->s;
     const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_rings *rings = &s->overlay.rings;
     smr_mean noise = {0, 0};
-    memset(rings->sum, 0, 4u * sizeof *rings->sum * s->shared.n); /* and the weights behind */
+    memset(rings->sum, 0, 4u * sizeof *rings->sum * s->shared.n); /* clears the sums, and the weights behind them */
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_put3(rings->displacement, v,
                  smr_sub(smr_get3(s->shape.x, v), smr_pose_apply(&f->pose, smr_get3(s->shape.start, v))));
@@ -202,7 +202,7 @@ static smr_vec turned_back(const smr_pose *p, smr_vec v)
                  p->m[0][2] * v.x + p->m[1][2] * v.y + p->m[2][2] * v.z);
 }
 
-/* Computes the motion from the start to the pose. */
+/* Sets shift and turn to the motion from the start to the pose. */
 static void find_motion(normal_field *f, const smr_pose *p)
 {
     const float trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
@@ -231,7 +231,7 @@ static void open_motion(normal_field *f)
     }
 }
 
-/* Returns 1 when the registration keeps the start where normals hardly determine positions. */
+/* Returns 1 when the registration keeps to the start positions where normals hardly determine positions. */
 static int keeps_to_start(const smr *s, uint32_t structure)
 {
     return s->forces.surface.target[structure].surface != NULL && !s->forces.occluded.sheet && !s->schedule.tracking &&
@@ -239,7 +239,7 @@ static int keeps_to_start(const smr *s, uint32_t structure)
 }
 
 /* Solves the field of a structure in the memory of sums, which is free between iterations. Returns size2 for the
- * assumed noise: the bend. */
+ * assumed noise, the square of the bend. */
 static float solve_field(normal_field *f, const smr *s, uint32_t structure, float residual)
 {
     smr_fit fit = {.weight = 0.0f};
@@ -273,7 +273,7 @@ typedef struct parts {
     float across, along;
 } parts;
 
-/* Weighs the process' variances of stored vertex v. far2: squared distance to the observations in kernel lengths. */
+/* Returns v's squared errors from the process' variances. far2: squared distance to observations in kernel lengths. */
 static parts weighed(const normal_field *f, uint32_t v, parts variance, float far2)
 {
     const float least = SMR_ALONG_LEAST * smr_le_float(f->s->shared.model->edge_mm);
@@ -284,7 +284,7 @@ static parts weighed(const normal_field *f, uint32_t v, parts variance, float fa
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }
 
-/* The squared errors of stored vertex v. A vertex without a normal counts a third of its error as across. */
+/* Returns the squared errors of stored vertex v; without a normal a third of the error counts as across. */
 static parts field_errors(const normal_field *f, uint32_t v)
 {
     const smr_vec at = smr_get3(f->s->shape.start, v), normal = turned_back(&f->pose, smr_get3(f->s->shape.normal, v));

@@ -1,5 +1,5 @@
 /* local_volume.c: the change of volume around each vertex since the rest shape, on demand: the volume between the
- * surface of a cluster and its centre, now over at rest. Volumes are measured, not derived from transforms, so they
+ * surface of a cluster and its centre, now / at rest. Volumes are measured, not derived from transforms, so they
  * include folds and forces; a linear map would count bending as shrinking. Each vertex gets a third of its triangles'
  * normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of records, sums and
  * transforms.
@@ -10,9 +10,9 @@
 #include "registration/schedule_radius.h"
 
 #define SMR_LOCAL_EDGES 8.0f     /* default radius in mean edge lengths */
-#define SMR_LOCAL_MOST 1.0e6f    /* largest ratio of volumes */
+#define SMR_LOCAL_MOST 1.0e6f    /* largest ratio of volumes that is returned */
 #define SMR_LOCAL_LEAST 1.0e-18f /* smallest area, mm^2, or volume, mm^3, that is divided by */
-#define SMR_SKIN 0.001f /* thickness of the layer that is added even to a closed surface, over the root of its area */
+#define SMR_SKIN 0.001f /* thickness of the layer added even to a closed surface / root of the surface's area */
 
 /* Words of the record of a vertex or a cluster: of the present shape, then as many of the rest shape. */
 enum { SMR_SIX_VOLUMES, SMR_NORMALS, SMR_MOMENTS = 4, SMR_TWO_AREAS = 7, SMR_LOCAL_WORDS };
@@ -83,7 +83,7 @@ static void record(local *l, int rest)
     }
 }
 
-/* Sizes of a cluster. */
+/* Volume, area and openness of a cluster in one shape. */
 typedef struct bulk {
     float volume, area; /* six times the volume about the centre, mm^3; twice the area, mm^2 */
     float open;         /* 0..1: 0 for a surface all around the cluster, 1 for a flat one */
@@ -102,8 +102,8 @@ static bulk bulk_of(const local *l, uint32_t v, int rest)
     return b;
 }
 
-/* The ratio of a cluster's volume to its volume at rest. An open surface has a small volume that changes with bending:
- * a layer is added to it, so that the ratio is that of the areas. */
+/* Returns the ratio of a cluster's volume to its volume at rest. An open surface has a small volume that changes with
+ * bending: a layer is added to the surface, so that the ratio is that of the areas. */
 static float ratio_at(const local *l, uint32_t v)
 {
     const bulk now = bulk_of(l, v, 0), rest = bulk_of(l, v, 1);

@@ -5,7 +5,7 @@
 
 #define SMR_POSE_LEAST 3.0f /* fewest visible vertices that give a pose */
 
-/* Adds the vertices of a structure to the fit from rest to present positions; all: 1: occluded ones, too. */
+/* Adds the vertices of a structure to the fit from rest to present positions; all 1: also occluded ones. */
 static void add_vertices(const smr *s, const smr_shape_structure *one, int all, smr_fit *fit)
 {
     for (uint32_t i = 0; i < one->n_vertices; i++) {
@@ -59,7 +59,7 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
     *pose = fitted;
     pose->m[0][3] = pose->m[1][3] = pose->m[2][3] = 0.0f;
     const smr_vec centre =
-        smr_pose_apply(&fitted, smr_v(0, 0, 0)); /* of the model, which rest shapes are relative to */
+        smr_pose_apply(&fitted, smr_v(0, 0, 0)); /* place of the model's centre, the origin of rest shapes */
     smr_pose_onto(pose, smr_model_centre(s->shared.model), smr_add(centre, s->shape.origin));
     return SMR_OK;
 }

@@ -3,10 +3,10 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_DOUBTFUL 0.3f       /* probability of a whole whose structures disagree with its measures */
-#define SMR_HIDDEN_SHARE 0.05f  /* share of vertices that an image does not show, above which they count */
-#define SMR_HIDDEN_MOST 3.4f    /* their largest expected error in a good result, mm */
-#define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures whose verdict is not good */
+#define SMR_DOUBTFUL 0.3f       /* largest probability of a verdict that is doubtful whatever its measures say */
+#define SMR_HIDDEN_SHARE 0.05f  /* share of vertices outside an image above which their expected errors are judged */
+#define SMR_HIDDEN_MOST 3.4f    /* mm: larger mean expected errors of vertices outside an image are not good */
+#define SMR_NOT_GOOD_SHARE 0.5f /* the whole is not good if structures not good hold a larger share of vertices */
 
 const char *smr_reason_text(uint32_t bit)
 {
@@ -50,7 +50,7 @@ static smr_status check(const smr *s, const void *out)
     return SMR_OK;
 }
 
-/* Measures one structure. */
+/* Clears e and stores all measures of one structure there. */
 static void gather(const smr *s, uint32_t structure, smr_evidence *e)
 {
     memset(e, 0, sizeof *e);
@@ -71,7 +71,7 @@ static void add_all(smr_evidence *to, const smr_evidence *more)
     to->rotation_deg = smr_max(to->rotation_deg, more->rotation_deg);
 }
 
-/* Adds a reason for which a result is not good, whatever its measures say. */
+/* Adds a reason for which a result is not good, whatever its measures say, and lowers level and probability. */
 static void add_doubt(smr_verdict *verdict, uint32_t reason)
 {
     verdict->reasons |= reason;
@@ -84,7 +84,7 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
 {
     memset(verdict, 0, sizeof *verdict);
     const smr_mean shown = {e->expected.sum - e->hidden.sum, e->expected.weight - e->hidden.weight};
-    verdict->expected_error_mm = smr_mean_of(shown, -1.0f); /* rules judge what the image shows */
+    verdict->expected_error_mm = smr_mean_of(shown, -1.0f); /* judged without vertices outside the image */
     verdict->expected_across_mm = smr_mean_of(e->across, -1.0f);
     verdict->expected_along_mm = smr_mean_of(e->along, -1.0f);
     verdict->expected_visible_mm = smr_mean_of(e->on_visible, -1.0f);
@@ -109,8 +109,8 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
         add_doubt(verdict, SMR_REASON_LITTLE_VISIBLE);
 }
 
-/* Computes the verdict on all structures together. It is not good when most vertices are in structures that are not,
- * and has not failed when most are in good ones. */
+/* Computes the verdict on all structures together. The whole is not good when most vertices are in structures that are
+ * not good, and has not failed when most vertices are in good structures. */
 static void judge_all(const smr *s, smr_verdict *verdict)
 {
     smr_evidence all = {.rotation_deg = 0.0f};
@@ -138,7 +138,7 @@ static void judge_all(const smr *s, smr_verdict *verdict)
     }
 }
 
-/* The result is not good while the model recovers from a jump, or has not followed the present targets yet. */
+/* Marks the verdict as not good while the model recovers from a jump, or has not followed the present targets yet. */
 static void note_recovering(const smr *s, smr_verdict *verdict)
 {
     const smr_schedule *p = &s->schedule;

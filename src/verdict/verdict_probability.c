@@ -5,21 +5,21 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_DOUBT_GOOD 1.0f   /* a good result has less doubt */
-#define SMR_DOUBT_FAILED 5.0f /* a failed result has more */
-#define SMR_DOUBT_ALONE 2.0f  /* most doubt by low coverage alone */
-#define SMR_DOUBT_MOST 10.0f  /* most doubt by one measure */
-#define SMR_DOUBT_REASON 0.5f /* without a measure beyond its limit: share of the largest doubt that is a reason */
+#define SMR_DOUBT_GOOD 1.0f   /* sum of doubts below which a result is good */
+#define SMR_DOUBT_FAILED 5.0f /* sum of doubts above which a result has failed */
+#define SMR_DOUBT_ALONE 2.0f  /* largest sum of doubts when only coverage is low */
+#define SMR_DOUBT_MOST 10.0f  /* largest doubt by one measure */
+#define SMR_DOUBT_REASON 0.5f /* share of the largest doubt that makes a reason, if no measure is beyond its limit */
 #define SMR_MET_SHARE 0.98f   /* visible, covered and agreeing shares above which model and target meet both ways */
 #define SMR_PART_SHARE 0.8f   /* visible share of the model below which the target is partial */
-#define SMR_WHOLE_SHARE 0.95f /* visible share above which the model is whole: the target may have more parts */
+#define SMR_WHOLE_SHARE 0.95f /* visible share above which the model counts as wholly visible, for coverage */
 #define SMR_STRAIN_MOST 0.25f
-#define SMR_STRAIN_SMOOTH 0.15f /* largest strain without noise of the target */
-#define SMR_STRAIN_NOISE 2.0f   /* strain by noise over the residual in mean edge lengths; squares add up */
-#define SMR_UNLIKE_MOST 0.3f    /* lack of image similarity that makes a change of size most doubtful */
+#define SMR_STRAIN_SMOOTH 0.15f /* largest plausible strain on a target without noise */
+#define SMR_STRAIN_NOISE 2.0f   /* strain by noise for a residual of one mean edge length; squares of strains add up */
+#define SMR_UNLIKE_MOST 0.3f    /* largest 1 less image similarity that is multiplied by the stretch */
 #define SMR_OPEN_LEAST 1.8f     /* mm: smaller expected errors are not compared with the bend */
 
-/* What gives doubt, in the order of the table. */
+/* Indexes of the measures that give doubt. */
 enum {
     NOTHING,
     LITTLE,
@@ -50,24 +50,24 @@ static const struct {
     uint32_t reason;
     float none, limit, failed, wider;
 } table[MEASURES] = {
-    [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing visible */
+    [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing is visible; else 0 */
     [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.8f, 0.9f, 1.3f, 1.0f},      /* hidden share of the model */
     [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.6f, 3.0f, 17.0f, 1.0f},       /* expected error with a partial target, mm */
-    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error over the bend */
+    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error / bend */
     [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
-    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* share of the target, for a whole model */
-    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* the same for a partly visible model */
-    [STRAYS] = {SMR_REASON_UNCOVERED, 0.35f, 0.5f, 0.8f, 1.0f},          /* outliers, share of a cloud's points */
-    [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* share of the area that disagrees */
+    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* uncovered share; model wholly visible */
+    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* uncovered share; model partly visible */
+    [STRAYS] = {SMR_REASON_UNCOVERED, 0.35f, 0.5f, 0.8f, 1.0f},          /* share of outliers in a cloud's points */
+    [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* area share with disagreeing normals */
     [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.23f, 0.25f, 2.0f, 1.0f},        /* residual in mean edge lengths */
     [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* residual of landmarks, mm */
-    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* change of size since the start */
-    [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* the same with a partial target */
-    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* strain over its largest plausible value */
-    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* change of the size of parts */
-    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* change of volume */
+    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* factor of size since the start, >= 1 */
+    [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* factor of size for a partial target */
+    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* strain / its largest plausible value */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* root mean square stretch of parts */
+    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* factor of volume from rest, >= 1 */
     [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 40.0f, 1.15f},      /* largest rotation of a part, degrees */
-    [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* mm */
+    [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* bend, mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
     [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* stretch times 1 less the similarity */
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */
@@ -95,20 +95,20 @@ static float probability_of(float doubt)
     return smr_clamp(p, 0.0f, 1.0f);
 }
 
-/* The ratio or its inverse, whichever is at least 1. */
+/* Returns the ratio or its inverse, whichever is at least 1. */
 static float beyond(float ratio) { return ratio > 1.0f ? ratio : ratio > 0.0f ? 1.0f / ratio : SMR_FAR; }
 
-/* 1 less a share; 0 when it was not taken. */
+/* Returns 1 less a share; 0 for a share below 0, which was not measured. */
 static float lacking(float share) { return share >= 0.0f ? 1.0f - share : 0.0f; }
 
-/* The largest plausible strain of a surface's edges. */
+/* Returns the largest plausible strain of a surface's edges. */
 static float strain_most(const smr_verdict *v, float edge_mm)
 {
     const float noise = SMR_STRAIN_NOISE * smr_max(v->residual_mm, 0.0f) / smr_max(edge_mm, 1.0e-6f);
     return smr_min(SMR_STRAIN_MOST, SMR_SQRT(SMR_STRAIN_SMOOTH * SMR_STRAIN_SMOOTH + noise * noise));
 }
 
-/* Deformation and expected error, on surfaces and landmarks. */
+/* Writes deformation and expected error to m, for surfaces and landmarks as targets. */
 static void take_bend(const smr_verdict *v, float *m)
 {
     if (v->expected_error_mm > SMR_OPEN_LEAST)
@@ -132,7 +132,7 @@ static void take_surface(const smr_verdict *v, float edge_mm, float *m)
     m[STRAIN] = v->strain / strain_most(v, edge_mm);
 }
 
-/* Sets what was measured; what was not stays 0. */
+/* Writes the measures to m[MEASURES]; measures that were not taken stay 0. */
 static void take(const smr_verdict *v, float edge_mm, int whole, float strays, float *m)
 {
     const int image = v->goals_share >= 0.0f;
@@ -146,16 +146,16 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
         m[GOALS] = lacking(v->goals_share);
         m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }
-    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals */
+    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals, but not coverage */
         take_surface(v, edge_mm, m);
     else if (!image && v->residual_mm >= 0.0f) {
         take_bend(v, m);
-        m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : 0.0f; /* too few landmarks */
+        m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : 0.0f; /* 1: too few landmarks */
         m[MARKS] = v->residual_mm;
     }
 }
 
-/* The doubt that a measure gives. */
+/* Returns the doubt that measure k gives. met 1: the limits are wider. */
 static float doubt_of(uint32_t k, float measure, int met)
 {
     const float wider = met ? table[k].wider : 1.0f, limit = wider * table[k].limit, none = wider * table[k].none;
@@ -166,7 +166,7 @@ static float doubt_of(uint32_t k, float measure, int met)
     return smr_min(between(measure, limit, wider * table[k].failed, 1.0f, SMR_DOUBT_FAILED), SMR_DOUBT_MOST);
 }
 
-/* Names the measures beyond their limits, or else those that give most doubt. */
+/* Returns the reasons of measures beyond their limits, or else of those that give most doubt. */
 static uint32_t reasons_of(const float *doubt)
 {
     uint32_t reasons = 0;

@@ -5,13 +5,13 @@
 #include "verdict/verdict_measures.h"
 
 #define SMR_PARTS 24u          /* parts whose rotation is measured */
-#define SMR_PART_RADIUS 0.12f  /* radius of a part over the structure's diagonal */
-#define SMR_CLOSED 1.0e-3f     /* a closed surface's largest norm of the sum of area vectors, over the area */
-#define SMR_FLAT 1.0e-5f       /* volume over area^1.5: a body with less is flat, and its volume is not measured */
+#define SMR_PART_RADIUS 0.12f  /* radius of a part / diagonal of the structure's box */
+#define SMR_CLOSED 1.0e-3f     /* largest |sum of area vectors| / area of a closed surface */
+#define SMR_FLAT 1.0e-5f       /* volume / area^1.5 below which a body is flat and its volume not measured */
 #define SMR_EDGE_LEAST 1.0e-6f /* mm: shorter edges are not measured */
 #define SMR_RATIO_MOST 1.0e6f  /* largest ratio of scales or volumes */
 
-/* The angle in degrees whose cosine is c, to a thousandth. */
+/* Returns the angle in degrees whose cosine is c, to a thousandth of a degree. */
 static float degrees_of(float c)
 {
     float low = 0.0f, high = 180.0f;
@@ -25,7 +25,7 @@ static float degrees_of(float c)
     return 0.5f * (low + high);
 }
 
-/* Fits the similarity from the rest shape, or from the start positions, to the present positions. */
+/* Fits the similarity from the rest shape (from_start 1: from the start positions) to the present positions. */
 static smr_pose pose_of(const smr *s, const smr_shape_structure *one, int from_start)
 {
     const smr_model *m = s->shared.model;
@@ -41,7 +41,7 @@ static smr_pose pose_of(const smr *s, const smr_shape_structure *one, int from_s
     return smr_fit_solve(&fit, 1);
 }
 
-/* The scale of a similarity: root mean square of its singular values. */
+/* Returns the scale of a similarity: the root mean square of its singular values. */
 static float scale_of(const smr_pose *p)
 {
     return SMR_SQRT((p->m[0][0] * p->m[0][0] + p->m[0][1] * p->m[0][1] + p->m[0][2] * p->m[0][2] +
@@ -94,7 +94,7 @@ static void add_volume(const smr *s, const smr_shape_structure *one, float scale
     smr_mean_add(&e->volume, far ? SMR_RATIO_MOST : now / rest, smr_abs(rest));
 }
 
-/* Cosine of the angle between the rotations of two poses, each of which may have a scale. */
+/* Returns the cosine of the angle between the rotations of two poses, each of which may have a scale. */
 static float between(const smr_pose *a, const smr_pose *b)
 {
     float trace = 0.0f;

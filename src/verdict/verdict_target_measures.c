@@ -10,7 +10,7 @@
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine between normals above which they agree */
 #define SMR_MEASURE_EDGES 1.0f  /* distance up to which the target is covered, in mean edge lengths of the model */
-#define SMR_MEASURE_TIMES 2.0f  /* the same distance over the mean residual; the larger one counts */
+#define SMR_MEASURE_TIMES 2.0f  /* distance up to which the target is covered, in mean residuals, if larger */
 #define SMR_LOOKED 400u         /* most compared vertices of a structure in an image, evenly spaced */
 
 int smr_vertex_visible(const smr *s, uint32_t v)
@@ -28,7 +28,7 @@ int smr_vertex_visible(const smr *s, uint32_t v)
     return wins > 0;
 }
 
-/* Adds a structure's residual to the measures. Returns the distance up to which its target is covered, mm. */
+/* Adds a structure's residual to the measures. Returns the distance, mm, up to which the target counts as covered. */
 static float add_residual(const smr *s, smr_mean residual, smr_evidence *e)
 {
     const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
@@ -37,14 +37,14 @@ static float add_residual(const smr *s, smr_mean residual, smr_evidence *e)
     return smr_max(SMR_MEASURE_EDGES * edge, SMR_MEASURE_TIMES * smr_mean_of(residual, 0.0f));
 }
 
-/* The share of a triangle's corners that are visible. */
+/* Returns the share of a triangle's corners that are visible. */
 static float visible_part(const smr *s, const uint32_t *t)
 {
     const int n = smr_vertex_visible(s, t[0]) + smr_vertex_visible(s, t[1]) + smr_vertex_visible(s, t[2]);
     return (float)n * (1.0f / 3.0f);
 }
 
-/* The centre of a triangle with these corners. */
+/* Returns the centre of a triangle with these corners. */
 static smr_vec centre_of(smr_corner_values v) { return smr_scale(smr_add(v.a, smr_add(v.b, v.c)), 1.0f / 3.0f); }
 
 /* Finds the point closest to q on the structures that share a target. Returns the structure; SMR_NONE: none. */
@@ -74,7 +74,7 @@ typedef struct surface_pair {
     float *distance;    /* [n] distance of each vertex to the target surface, mm; SMR_FAR: none */
 } surface_pair;
 
-/* Finds the distance of each vertex to the target surface. Returns the visible vertices' mean, mm. */
+/* Finds the distance of each vertex to the target surface, mm. Returns the mean over visible vertices. */
 static smr_mean find_distances(const surface_pair *p)
 {
     const smr *s = p->s;
@@ -115,7 +115,7 @@ static void add_model(const surface_pair *p, float near, smr_evidence *e)
     }
 }
 
-/* Adds the coverage of the target surface by the structures that share it. */
+/* Adds the coverage of the target surface by the structures that share the target. */
 static void add_target(const surface_pair *p, float near, smr_evidence *e)
 {
     const smr_vec shift = smr_sub(p->target->origin, p->s->shape.origin);
@@ -157,7 +157,7 @@ static uint32_t closest_to_point(const smr *s, const smr_surface *cloud, uint32_
     return cloud->area[j] > 0.0f ? closest(s, cloud, &q, hit) : SMR_NONE;
 }
 
-/* 1: the registration has left out a point of a cloud at this squared distance from the model, mm^2. */
+/* Returns 1 when the registration leaves out point j of a cloud at squared distance d2 from the model, mm^2. */
 static int is_stray(const smr *s, uint32_t structure, uint32_t j, float d2)
 {
     const smr_surface_goals *g = &s->forces.surface;
@@ -223,7 +223,7 @@ static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
             smr_mean_add(&e->similarity, (float)wins / (float)n, (float)n);
     }
     if (!(e->similarity.weight > 0.0f) && shown > 0u && !smr_field_of_past(&s->forces.occluded))
-        smr_mean_add(&e->similarity, 0.0f, 1.0f); /* no comparison counts as chance */
+        smr_mean_add(&e->similarity, 0.0f, 1.0f); /* without a comparison the similarity counts as chance */
     e->n_invisible = one->n_vertices - shown;
     const float matched = smr_forces_matched(&s->forces, structure);
     if (matched >= 0.0f)
