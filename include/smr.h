@@ -262,8 +262,8 @@ typedef struct smr_verdict {
     uint32_t level;          /* SMR_VERDICT_... */
     uint32_t reasons;        /* sum of SMR_REASON_... (section 7); 0 if the level is good */
     float probability;       /* 0..1. Probability that errors are below 1 mm (surface) and 3 mm (vertices) */
-    float expected_error_mm; /* mm, or -1. Mean of smr_get_expected_error() over structures that are visible enough */
-    /* mm, or -1. Means of smr_get_expected_parts(), and of smr_get_expected_error() over visible vertices */
+    float expected_error_mm; /* mm, or -1. Mean smr_get_expected_error() of all vertices in structures visible enough */
+    /* mm, or -1. Mean expected errors: across the surface, along the surface, and at visible vertices */
     float expected_across_mm, expected_along_mm, expected_visible_mm;
     float visible_share; /* 0..1, or -1. Visible share of the model's area; in an image, share of vertices with goals */
     /* 0..1, or -1. Share of the target's area that the model covers: the model is no farther away than a mean edge or
@@ -275,7 +275,7 @@ typedef struct smr_verdict {
     /* -1..1, or -1. Intensity profiles in place are compared with places 12 to 36 mm away along the normal: share of
      * comparisons won less share lost. Chance gives about 0. */
     float image_similarity;
-    float goals_share;  /* 0..1, or -1. Share of the vertices that searched the image and have a goal there */
+    float goals_share;  /* 0..1, or -1. Share of the vertices searched for in the image that have a goal */
     float strain;       /* share. Root mean square change of edge lengths from rest, without the model's scale */
     float stretch;      /* share. Root mean square change of parts' sizes from rest, without the model's scale */
     float volume_ratio; /* volume divided by the volume at rest, without the model's scale; 1 for open surfaces */
@@ -335,8 +335,8 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 
-/* Writes each vertex' expected distance from its true place to mm[n_vertices], or its parts, across and along the true
- * surface; one of them may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
+/* Writes each vertex' expected distance from its true place to mm[n_vertices], or the parts across and along the
+ * true surface; one part may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
 
@@ -418,7 +418,7 @@ struct smr_prepare_config {
     const smr_port *port; /* threads; NULL: the calling thread alone. The model's bytes do not depend on port */
 };
 
-/* Returns the paper's settings: one radius of 30 mm over all structures, 30 samples, half of them inside. */
+/* Returns the paper's settings: one radius of 30 mm for all structures together, 30 samples, half of them inside. */
 smr_prepare_config smr_prepare_config_paper(void);
 
 /* Sizes and measures of a model. Arrays without a stated shape have one element for each radius, coarse to fine. */
@@ -533,7 +533,7 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
                                float *rms_mm);
 
 typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
-/* Kinds of warps. Landmarks that do not determine a spline give the most general kind that they determine. */
+/* Kinds of warps. Landmarks that do not determine a spline give the most general kind that these determine. */
 enum { SMR_WARP_SPLINE = 0, SMR_WARP_SCALED = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
 /* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) from from[i] to to[i], both [n][3] mm.
@@ -902,7 +902,7 @@ typedef struct smr_forces_config {
 typedef struct smr_motion_config {
     float relaxation; /* share, (0, 1], default 1. Step length: x += relaxation * (averaged goal - x) */
     float momentum;   /* share, [0, 0.99], default 0.8, 0.7. Share of the last displacement added to the forces */
-    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, where it moves vertices along the surface. */
+    /* share, [0, 0.99], default 0, 0.6. Momentum at the last radius, where momentum moves vertices on the surface. */
     float momentum_last;
     float plastic_um; /* um, [0, 100000000], default 50. Reference shape x^r is set to x below this displacement */
     /* iterations, [0, 1000], default 1, 5. The reference shape x^r is set to the positions x also after this many
@@ -1002,7 +1002,7 @@ smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz);
 
 typedef struct smr_carry_fact {
     float miss_mm; /* mm. inverse 1: error of the inverse at the point; above 0.01 the inverse was not found */
-    float volume;  /* determinant of the map's gradient at rest, to about 0.1; at 0 or below the map folds there */
+    float volume;  /* determinant of the map's gradient at rest, to about 0.1; at 0 or below the map folds */
 } smr_carry_fact;
 
 /* Maps n points xyz[n][3] mm that are not bound, in about 100 times the time of bound points. inverse 0: from rest to

@@ -73,7 +73,7 @@ static const struct {
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */
 };
 
-/* Share of runs with this sum of doubts that were right. */
+/* Points of a curve: sum of doubts, and share of runs with this sum that were right. */
 static const struct {
     float doubt, probability;
 } curve[] = {{0.0f, 0.985f},  {SMR_DOUBT_GOOD, SMR_PROBABILITY_GOOD},

@@ -8,7 +8,7 @@
 #include "verdict/verdict_measures.h"
 
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
-#define SMR_MEASURE_AGREE 0.0f  /* cosine between normals above which they agree */
+#define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
 #define SMR_MEASURE_EDGES 1.0f  /* distance up to which the target is covered, in mean edge lengths of the model */
 #define SMR_MEASURE_TIMES 2.0f  /* distance up to which the target is covered, in mean residuals, if larger */
 #define SMR_LOOKED 400u         /* most compared vertices of a structure in an image, evenly spaced */

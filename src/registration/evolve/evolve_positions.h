@@ -41,13 +41,13 @@ smr_run_task smr_evolve_step, smr_evolve_measure;
 void smr_evolve_measure_end(smr_evolve *e);
 uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* returns a hash of n positions xyz [n][3] */
 
-/* Tangential smoothing, at the last radius. Steps: clear sums; sum over mesh neighbours, one task after the other. */
+/* Tangential smoothing, at the last radius. Steps: sums set to 0; sums over mesh neighbours, one task after another. */
 void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the coming iteration */
 smr_count_tasks smr_tangent_tasks, smr_tangent_sum_tasks;
 smr_run_task smr_tangent_clear, smr_tangent_sum;
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* smoothing displacement of v, mm */
 
-/* Notes that a fold step removed this share of the step of vertex v. */
+/* Raises limited[v] to the share of the step of vertex v that a fold step removed. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
 {
     if (smr_at_last_radius(e->shared, e->schedule))

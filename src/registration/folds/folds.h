@@ -32,7 +32,7 @@ typedef struct smr_fold_piece {
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
     uint32_t ring, sweep; /* index of the current ring of the patch around folds; index of the current sweep */
-    uint32_t n_folds;     /* number of folds marked so far */
+    uint32_t n_folds;     /* number of folded edges marked so far in this iteration */
 } smr_fold_repair;
 
 typedef struct smr_fold_limit {

@@ -14,7 +14,7 @@ struct smr_caller_goals;
 /* Functions for the caller's goals in an iteration. Programs without the setters, which name them, link none. */
 typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task); /* calls the caller's force for a chunk of vertices */
-    /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of the weights */
+    /* averages v's *displacement, which has this weight, with the caller's displacements; returns the sum of weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
     void (*stand)(struct smr_caller_goals *g); /* stores the checksum of the force's output in `sum` */
 } smr_caller_calls;

@@ -9,7 +9,7 @@
 #include "options/partial/partial.h"
 #include "registration/goals/caller_goals.h"
 
-/* Sums over all vertices of one iteration's forces. */
+/* Counts and distances of one iteration's forces, over all vertices. */
 typedef struct smr_force_totals {
     uint32_t n_with_target; /* active vertices with a target */
     uint32_t n_forces;      /* active vertices with a goal */
@@ -34,7 +34,7 @@ typedef struct smr_forces {
     smr_contact contact;
     smr_tally *tally;
     float *force;        /* [n][3] force, mm; during the search: displacement to the goal, mm */
-    float *residual;     /* [n] distance of a vertex to its target mesh, or else to its goal, mm; -1: hardly visible */
+    float *residual;     /* [n] distance of a vertex to its target mesh, or to its goal, mm; -1: half visible or less */
     uint8_t *found;      /* [n] SMR_FOUND_... of the current forces */
     uint8_t *found_last; /* [n] SMR_FOUND_... of the last complete forces */
     smr_force_totals totals;
@@ -57,14 +57,14 @@ smr_count_tasks smr_forces_tasks, smr_contact_tasks, smr_forces_take_tasks;
 smr_run_task smr_forces_search, smr_contact_search, smr_forces_take;
 void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results that the next forces start from */
 
-/* Momentum, mm: a share of the last iteration's displacement (Polyak 1964), until evolve overwrites x_next. */
+/* Returns the momentum, mm, a share of the last displacement (Polyak 1964), until evolve overwrites x_next. */
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
 {
     const smr_vec step = smr_sub(smr_get3(f->shape->x, v), smr_get3(f->shape->x_next, v));
     return smr_scale(step, f->schedule->repairing > 0u ? 0.0f : f->schedule->momentum * f->schedule->fade);
 }
 
-/* The displacement from x^r that the match fits, mm: x + f^e - x^r plus momentum; in dynamics `from` - x^r. */
+/* Returns the displacement from x^r that the match fits, mm: x + f^e - x^r plus momentum; in dynamics `from` - x^r. */
 static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 {
     const smr_vec x = smr_get3(f->shape->x, v);

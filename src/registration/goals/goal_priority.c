@@ -162,8 +162,8 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
     return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* Finds the displacement of v to its goal, mm, without goals of the caller; 0 for a vertex without triangles, unless it
- * follows landmarks. Returns SMR_FOUND_... */
+/* Finds the displacement of v to its goal, mm, without goals of the caller; 0 for a vertex without triangles unless the
+ * vertex follows landmarks. Returns SMR_FOUND_... */
 static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];

@@ -37,7 +37,7 @@ typedef struct smr_reference {
     float *share;        /* [n] 1 / number of active vertices of the cluster; 0 without active vertices */
     float coarse, fine;  /* steps, mm, to which x^r is rounded for spreads and for centres */
     float per_coarse;    /* 1 / coarse, 1 / mm, exact */
-    float per_fine;      /* 1 / fine, 1 / mm. A vector division would divide by 0 in its unused lane */
+    float per_fine;      /* 1 / fine, 1 / mm: a vector division by `fine` would divide by 0 in the unused lane */
 } smr_reference;
 
 typedef struct smr_match {
@@ -81,7 +81,7 @@ smr_count_tasks smr_reference_tasks, smr_reference_record_tasks, smr_reference_b
 smr_count_tasks smr_reference_cluster_tasks;
 smr_run_task smr_reference_reach, smr_reference_record, smr_boundary_reference, smr_reference_cluster;
 
-/* Returns 1 when the reference is recomputed in this iteration. */
+/* Returns 1 when this iteration recomputes centres, masses and spreads of the clusters. */
 static inline int smr_reference_due(const smr_reference *r) { return r->stale != 0u || r->missing != 0u; }
 
 /* Adds share / SMR_BOUNDARY_UNITS of the moments of vertex `from` to the sums of the cluster of vertex `to`. */

@@ -33,7 +33,7 @@ uint32_t smr_reference_cluster_tasks(const void *r)
     return smr_ceil_div(((const smr_reference *)r)->shared->n, SMR_MATCH_CHUNK);
 }
 
-/* Computes the largest squared distance of x^r from the rest shape in its pose in a chunk, mm^2. */
+/* Stores the largest squared distance, mm^2, of x^r from the posed rest shape over a chunk of vertices. */
 void smr_reference_reach(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_reference *r = arg;

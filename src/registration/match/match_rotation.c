@@ -53,7 +53,7 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
-/* Writes R - I (9 entries) and t, mm, (3 entries) of a cluster to t[12]. Arguments as in rigid_turn() and polar(). */
+/* Writes R - I (9 entries) and t, mm, (3) of a cluster to t[12]. mu: sum of m u; w: words of the sum of moments. */
 static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     if (m->shared->config.basic.method == SMR_METHOD_RIGID)

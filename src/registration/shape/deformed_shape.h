@@ -25,7 +25,7 @@ typedef struct smr_track_rest {
     smr_fit one, all;           /* sums of the fits: of the current structure, of the whole model */
     uint32_t structure, vertex; /* next structure and vertex of the summation, in the caller's numbering */
     uint32_t n_tasks;           /* number of tasks of the summation */
-    uint32_t due;               /* 1: x^r becomes track_rest_x in new poses in this iteration */
+    uint32_t due;               /* 1: this iteration ends with x^r = track_rest_x in new poses */
     uint32_t predicted;         /* 1: structures were already moved ahead for the current targets */
     /* returns the place to which a structure's pose fits vertex v, which is at x; NULL: x. Set by dynamics.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);

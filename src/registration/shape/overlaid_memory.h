@@ -46,8 +46,8 @@ typedef union smr_tally {
         uint64_t hash; /* sum of the hashes of the vertices */
     } evolve;
     struct {
-        uint32_t n_bent; /* dihedral edges that fold or must be limited */
-        uint32_t n_open; /* dihedral edges that are folded but were open at rest */
+        uint32_t n_bent; /* number of dihedral edges that fold or must be limited */
+        uint32_t n_open; /* number of dihedral edges that are folded but were open at rest */
     } folds;
 } smr_tally;
 
@@ -55,7 +55,7 @@ typedef union smr_tally {
 typedef struct smr_rings {
     float *sum;          /* [n][3] sum of the mesh neighbours' displacements, positions or steps, mm */
     float *weight;       /* [n] sum of the neighbours' weights in `sum` */
-    float *displacement; /* [n][3] tangential smoothing: displacement from the rest shape in its pose, mm */
+    float *displacement; /* [n][3] tangential smoothing: displacement of x from the posed rest shape, mm */
     float *requested;    /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
 } smr_rings;
 

@@ -49,20 +49,20 @@ enum { SMR_IMAGE_NEW = 0, SMR_IMAGE_CURRENT = 1, SMR_IMAGE_PAST = 2 };
 /* State of the schedule. The tick lowers n_active where a budget ends; the caller sets n_active_chosen. */
 typedef struct smr_schedule {
     uint32_t radius;           /* index of the current radius */
-    uint32_t radius_iteration; /* complete iterations at this radius */
+    uint32_t radius_iteration; /* number of complete iterations at the current radius */
     uint32_t iteration;        /* complete iterations since the start */
-    uint32_t n_points;         /* points of all clouds when this radius began */
+    uint32_t n_points;         /* number of points of all clouds when the current radius began */
     uint32_t since_plastic;    /* complete iterations since x^r last changed */
     uint32_t plastic_updates;  /* number of plastic updates since the start */
     uint32_t converged, done;  /* 1: the schedule has ended at rest; 1: the schedule has ended */
-    uint32_t repairing;        /* iterations of fold repair before this radius; 0: none */
+    uint32_t repairing;        /* number of the current iteration of fold repair, from 1; 0: none is due */
     uint32_t n_set;            /* number of times that targets were set */
     uint32_t serial_of_forces; /* n_set when the last forces were complete */
     uint32_t serial;           /* n_set of the targets that x follows; 0: x is the start */
     uint32_t n_active;         /* the first n_active stored vertices are active; clusters move the others */
     uint32_t n_active_chosen;  /* the caller's choice of n_active (smr_set_active); 0: none */
     smr_lists lists;           /* clusters of the current radius */
-    float search_mm;           /* search distance of closest points at this radius, mm */
+    float search_mm;           /* search distance of closest points at the current radius, mm */
     float momentum;            /* share of the last displacement that is added to the forces at this radius */
     float fade;        /* 0..1: share of image forces and momentum; falls at the end of a registration to an image */
     float profile_mm;  /* search distance of intensity profiles in this iteration, mm */
@@ -110,7 +110,7 @@ static inline uint32_t smr_triangle_tasks(const smr_shared *c)
     return smr_ceil_div(c->n_triangles, SMR_TRIANGLE_CHUNK);
 }
 
-/* Returns 1 when a vertex is active: it gets a force and is a member of clusters (paper 2.2, complexity tuning). */
+/* Returns 1 for an active vertex, which gets a force and is a member of clusters (paper 2.2, complexity tuning). */
 static inline int smr_active(const smr_schedule *p, uint32_t vertex) { return vertex < p->n_active; }
 
 static inline float smr_mass(const smr_shared *c, uint32_t vertex)

@@ -18,11 +18,11 @@ typedef struct smr_target {
     uint32_t n_visible, n_judged; /* number of visible and of judged vertices at the last judgement of visibility */
     uint32_t had_target;          /* 1: the structure had a target when the current iteration began */
     uint32_t measured;            /* 1: forces were completed since the target was set or removed */
-    uint32_t n_vertices, changes; /* vertices and change counter of the surface when it was set */
+    uint32_t n_vertices, changes; /* number of vertices, and change counter, of the surface when the target was set */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
-    uint32_t others;              /* 1: the target holds bodies that no goal lies on (outlier_weights.c) */
+    uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
     smr_vec view;                 /* cloud: mean normal of the model's visible places; 0: unknown */
 } smr_target;
 
@@ -31,10 +31,10 @@ typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task; /* first task of this target in the target-to-model search */
     uint32_t n_vertices; /* vertices of the surface when it was set */
-    uint32_t first_warm; /* first index of its vertices in target_warm and target_residual */
+    uint32_t first_warm; /* index of the target's first vertex in target_warm and target_residual */
     uint32_t structure;  /* first structure with this target */
-    uint32_t first_body; /* first index of its components in body_weight and body_sum */
-    uint32_t n_bodies;   /* components of the surface with a number of their own; 0 where there is no room for them */
+    uint32_t first_body; /* index of the target's first component in body_weight and body_sum */
+    uint32_t n_bodies;   /* number of the surface's components that have their own weights; 0: no room for weights */
     float scale, area_share; /* scale of residuals, mm; share of the area that the model can cover; current forces */
     float model_area;        /* mm^2: area of the structures with this target, summed so far */
 } smr_goal;
@@ -128,7 +128,7 @@ static inline int smr_attraction_on(const smr_surface_goals *g)
     return (g->shared->config.basic.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
 }
 
-/* Returns 1 when this target pulls; a cloud always does. */
+/* Returns 1 when vertices of this target pull the model; a cloud always pulls. */
 static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
 {
     return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));

@@ -26,7 +26,7 @@
 #define SMR_BODY_NONE 0.3f
 #define SMR_BODY_FULL 0.6f
 
-/* Residuals are kept in 16 bits, in 1 / 1024 of an octave from 2^-12 mm; they are counted in eighths of an octave. */
+/* Residuals are kept in 16 bits, in 1 / 1024 of an octave from 2^-12 mm, and counted in eighths of an octave. */
 #define SMR_RESIDUAL_LEAST ((127u - 12u) << 10)
 #define SMR_RESIDUAL_STEPS 128u /* steps of a residual in an eighth */
 
@@ -130,7 +130,7 @@ static float area_share(const smr_surface_goals *g, const smr_goal *goal)
     return smr_min(goal->model_area / smr_max(all, SMR_OUTLIER_TINY), 1.0f);
 }
 
-/* Counts a residual at the two eighths around it, so that the scale follows residuals without jumps. */
+/* Adds an area to the histogram's two bins around a residual, so that the scale follows residuals without jumps. */
 static void tally(smr_surface_goals *g, uint32_t steps, uint32_t area)
 {
     const uint32_t eighth = smr_min_u32(steps / SMR_RESIDUAL_STEPS, SMR_RESIDUALS - 2u),

@@ -7,7 +7,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/closest_point_goals.h"
 
-/* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL it does fully. */
+/* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL fully. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
 
@@ -76,7 +76,7 @@ static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one,
     }
 }
 
-/* Finds the model point closest to one target vertex and adds its pull. */
+/* Finds the model point closest to target vertex j, and adds the vertex' pulls on the model. */
 static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, int64_t *pull)
 {
     const smr_surface *surface = goal->surface;

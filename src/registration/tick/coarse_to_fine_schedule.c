@@ -7,7 +7,7 @@
 #define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
 #define SMR_GROWN 1.25f     /* factor by which the number of all clouds' points grows before a radius is repeated */
 
-/* Chooses n_active. A change requires new cluster centres, so it waits for a new reference shape or for
+/* Chooses n_active. A change needs new cluster centres and waits for a new reference shape or for
  * SMR_ACTIVE_EVERY iterations. The caller's choice, and vertices that a budget left out, do not wait. */
 static void choose_active(smr *s)
 {
@@ -76,7 +76,7 @@ void smr_schedule_next(smr *s)
         if (SMR_HAS_TRACK && !s->schedule.done)
             smr_tracking_start(s);
     } else if (repairs == 0u && !smr_at_last_radius(&s->shared, &s->schedule) && (e.settled || e.spent)) {
-        /* a much larger cloud repeats the radius; the cloud's memory limits its size, so repetition ends */
+        /* a much larger cloud repeats the radius; memory limits a cloud's size, so repetition ends */
         const int grown = (float)s->forces.surface.n_points_at_begin > SMR_GROWN * (float)s->schedule.n_points;
         smr_radius_go(s, s->schedule.radius + (grown ? 0u : 1u));
     }

@@ -159,7 +159,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_correct, NULL),
     SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_triangles_tasks, smr_triangles_refit, triangles_end),
-    /* search for folds; repair, limit and open them */
+    /* search for folds; then repair, limit or open folds */
     SMR_STEP(PLAIN, EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
@@ -167,7 +167,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, triangles_again, smr_refit_again, triangles_end),
     /* tracking and dynamics: poses of structures, which x^r follows */
     SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
-    /* displacements; normals; then all results become current at once, and x^r = x where plasticity applies */
+    /* displacements; normals; then all results become current at once, and x^r is set to x by plasticity */
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),

@@ -36,7 +36,7 @@ typedef struct smr_step {
     smr_task run;
     void (*end)(smr *s);
     void (*pieces)(void *stage, int cut); /* called before the first task; cut 1: cuts tasks into pieces. NULL: never */
-    smr_count_tasks *abreast; /* number of pieces that are independent; the next ones need their results. NULL: all */
+    smr_count_tasks *abreast; /* number of independent pieces; later pieces need their results. NULL: all pieces */
 } smr_step;
 
 extern const smr_step smr_steps[];
@@ -64,7 +64,7 @@ int smr_forces_pending(const smr *s);        /* 1: the forces of the current ite
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 
-/* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which there were. */
+/* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which existed. */
 void smr_abandon_iteration(smr *s);
 
 /* coarse_to_fine_schedule.c: between iterations. */

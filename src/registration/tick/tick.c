@@ -88,7 +88,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-/* Fills s->report; before: number of complete iterations when the tick began. Their radius is that of smr_commit(). */
+/* Fills s->report; smr_commit() has set the radius of a completed iteration. before: iterations before the tick. */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
