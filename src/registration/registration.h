@@ -12,7 +12,7 @@
 #include "log/record/log_format.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
-#define SMR_STEPS_MAX 44u /* most steps of an iteration */
+#define SMR_STEPS_MAX 44u /* largest number of steps of an iteration */
 
 /* Measured costs of steps, and decisions of the time budget (time_budget.c). */
 typedef struct smr_time_budget {
@@ -31,12 +31,12 @@ typedef struct smr_time_budget {
 } smr_time_budget;
 
 struct smr {
-    uint32_t magic;           /* SMR_STATE_MAGIC */
+    uint32_t magic;           /* SMR_STATE_MAGIC marks a registration */
     uint32_t step, next_task; /* position of the tick: current step of the iteration, completed tasks of this step */
     uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
     uint32_t refused;         /* 1: the port left out a task or used an illegal worker. Setting positions clears it */
     uint32_t n_awaited;       /* number of inputs that must be set again after a restore */
-    /* takes an awaited input, with the arguments of smr_log_note(); set by smr_restore() */
+    /* sets an awaited input of this kind (SMR_LOG_...) and number; the pointer is set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
     const struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
     smr_port port;

@@ -6,13 +6,13 @@
 #include "registration/registration.h"
 
 #define SMR_FIRST_CLOUD 3u /* factor on the number of iterations at the first radius with clouds: slow convergence */
-#define SMR_REPAIR_MAX 30u /* most iterations of fold repair before a radius starts */
+#define SMR_REPAIR_MAX 30u /* largest number of iterations of fold repair before a radius starts */
 
 void smr_radius_go(smr *s, uint32_t radius);  /* makes this the current radius, before its first iteration */
 void smr_radius_take(smr *s);                 /* sets clusters, momentum and search distance of the current radius */
-uint32_t smr_radius_active(const smr *s);     /* number of active vertices by configuration and clusters */
-uint32_t smr_radius_iterations(const smr *s); /* most iterations at the current radius */
-/* index, first .. last, of the radius whose ratio to `mm` is nearest to 1 */
+uint32_t smr_radius_active(const smr *s);     /* returns the number of active vertices by configuration and clusters */
+uint32_t smr_radius_iterations(const smr *s); /* returns the largest number of iterations at the current radius */
+/* returns the index, first .. last, of the radius whose ratio to `mm` is nearest to 1 */
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm);
 uint32_t smr_radius_after(const smr *s); /* returns the index of the radius for tracking and for dynamics */
 float smr_radius_progress(const smr *s); /* returns the completed share of the schedule's iterations, 0..1 */

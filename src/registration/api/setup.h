@@ -51,7 +51,7 @@ static inline void smr_restart_forces(smr *s, uint32_t changed)
 #define SMR_SAVED_VERSION 2u        /* version of the saved bytes that this library writes and reads */
 #define SMR_SAVED_FIXED 32u         /* bytes of a save's header */
 
-/* Words of the header. The configuration's words, the saved values and a CRC-32 of all bytes before follow. */
+/* Words of a save's header. The configuration's words, the saved values and a CRC-32 of all bytes before follow. */
 enum {
     SMR_SAVED_AT_MAGIC = 0,
     SMR_SAVED_AT_VERSION,

@@ -14,7 +14,7 @@ typedef struct smr_tangent_smooth {
     const smr_shape *shape;
     const smr_surface_goals *goals;
     smr_rings rings;
-    float share;      /* share of the displacement to the mesh neighbours' mean in this iteration; 0: no smoothing */
+    float share; /* share of the way to the neighbours' mean that a vertex moves in this iteration; 0: no smoothing */
     uint8_t *limited; /* [n] largest removed share of the vertex' steps at the last radius, times SMR_LIMITED_FULL */
 } smr_tangent_smooth;
 
@@ -42,7 +42,7 @@ void smr_evolve_measure_end(smr_evolve *e);
 uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* returns a hash of n positions xyz [n][3] */
 
 /* Tangential smoothing, at the last radius. Steps: sums set to 0; sums over mesh neighbours, one task after another. */
-void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the coming iteration */
+void smr_tangent_begin(smr_tangent_smooth *e); /* chooses `share`, the strength of smoothing, for an iteration */
 smr_count_tasks smr_tangent_tasks, smr_tangent_sum_tasks;
 smr_run_task smr_tangent_clear, smr_tangent_sum;
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* smoothing displacement of v, mm */

@@ -11,7 +11,7 @@
 #define SMR_LIMIT_ROOM 0.05f   /* distance of a cosine to its limit below which the edge creeps: moves by small steps */
 #define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
 #define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit, never reached */
-#define SMR_LOOK_CHUNK 64u     /* dihedral edges of a task: each needs the normals of two triangles, twice */
+#define SMR_LOOK_CHUNK 64u     /* number of dihedral edges in a task: each needs the normals of two triangles, twice */
 #define SMR_SOFT_ROUNDS 20u    /* most rounds in which edges ask vertices for shorter steps */
 #define SMR_HALVINGS 3u        /* rounds that halve steps; later rounds remove steps */
 #define SMR_LIMIT_ROUNDS 40u   /* most rounds in an iteration, soft ones and halvings together */

@@ -8,8 +8,8 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
-#define SMR_OPEN_PASSES 16u    /* most passes in an iteration */
-#define SMR_OPEN_CHUNK 64u     /* dihedral edges of a task */
+#define SMR_OPEN_PASSES 16u    /* most passes over the dihedral edges in an iteration */
+#define SMR_OPEN_CHUNK 64u     /* number of dihedral edges in a task */
 #define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
 #define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, as a share of the shortest edge */
 #define SMR_AREA_FLOOR 1.0e-6f /* mm^2: twice the area of the smallest triangle that has a normal */
@@ -28,7 +28,7 @@ uint32_t smr_fold_open_tasks(const void *arg)
 
 /* One of the two triangles of a dihedral edge, at x_next. */
 typedef struct side {
-    const uint32_t *corner; /* [3] vertices */
+    const uint32_t *corner; /* [3] vertices of the triangle */
     smr_vec edge[3];        /* the edge opposite each corner, mm */
     smr_vec normal;         /* unit normal */
     float area2;            /* twice the area, mm^2 */

@@ -8,8 +8,8 @@
 
 #include "registration/evolve/evolve_positions.h"
 
-#define SMR_DIHEDRAL_CHUNK 1024u /* dihedral edges of a task of fold_find.c */
-#define SMR_RUNS 2048u           /* most runs of triangles; a run is tested or skipped as a whole */
+#define SMR_DIHEDRAL_CHUNK 1024u /* number of dihedral edges in a task of fold_find.c */
+#define SMR_RUNS 2048u           /* largest number of runs of triangles; a run is tested or skipped as a whole */
 #define SMR_FOLD_COS 0.001f /* cosine below which an edge that is open at rest is folded; above 0 because of rounding */
 #define SMR_LIMIT_BELOW 0.31f /* a next cosine above this needs no limit: limiting cosines are 0.02 at most */
 
@@ -17,7 +17,7 @@
 typedef struct smr_fold_pass {
     uint32_t stage;     /* kind of the current pass; 0: none */
     uint32_t at;        /* number of completed items of the structure in this pass */
-    uint32_t structure; /* current structure */
+    uint32_t structure; /* index of the structure whose items the pass works on */
     uint32_t n_done;    /* number of completed tasks of the step in this iteration */
 } smr_fold_pass;
 
@@ -43,8 +43,8 @@ typedef struct smr_fold_limit {
 
 typedef struct smr_fold_open {
     uint32_t n_done;  /* number of completed tasks of the step in this iteration */
-    uint32_t pass;    /* current pass, from 1; 0: none */
-    uint32_t chunk;   /* next chunk of dihedral edges */
+    uint32_t pass;    /* number of the current pass over dihedral edges, from 1; 0: none */
+    uint32_t chunk;   /* index of the next chunk of dihedral edges */
     uint32_t n_folds; /* number of folds found in this pass so far */
 } smr_fold_open;
 

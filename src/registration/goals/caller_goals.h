@@ -6,8 +6,8 @@
 
 #include "registration/shape/deformed_shape.h"
 
-#define SMR_CALLER_CHUNK 32u      /* vertices of one call of the caller's force */
-#define SMR_CALLER_WEIGHT 1000.0f /* largest weight of a goal */
+#define SMR_CALLER_CHUNK 32u      /* number of vertices in one call of the caller's force */
+#define SMR_CALLER_WEIGHT 1000.0f /* largest legal weight of a caller's goal */
 
 struct smr_caller_goals;
 
@@ -22,11 +22,11 @@ typedef struct smr_caller_calls {
 extern const smr_caller_calls smr_caller_all;
 
 typedef struct smr_caller_goals {
-    const smr_caller_calls *calls; /* NULL: neither goals nor a force were set */
+    const smr_caller_calls *calls; /* functions for the caller's goals; NULL: neither goals nor a force were set */
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;
-    /* written when the caller sets goals or a force */
+    /* members set by smr_set_goals() and smr_set_force() */
     smr_goals *goals;      /* [n_structures] goals of each structure; NULL: config.caller.goals is 0 */
     smr_force force;       /* the caller's function; NULL: none */
     void *ctx;             /* first argument of `force` */

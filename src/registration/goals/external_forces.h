@@ -11,10 +11,10 @@
 
 /* Counts and distances of one iteration's forces, over all vertices. */
 typedef struct smr_force_totals {
-    uint32_t n_with_target; /* active vertices with a target */
-    uint32_t n_forces;      /* active vertices with a goal */
-    uint32_t n_rejected;    /* active vertices with a target but without a goal */
-    uint32_t n_residuals;   /* active vertices with a goal and a residual */
+    uint32_t n_with_target; /* number of active vertices with a target */
+    uint32_t n_forces;      /* number of active vertices with a goal */
+    uint32_t n_rejected;    /* number of active vertices with a target but without a goal */
+    uint32_t n_residuals;   /* number of active vertices with a goal and a residual */
     float goal_mean;        /* mean distance to the goal over all active vertices with a goal, mm */
     float mean, rms, max;   /* mean, root mean square and largest of the n_residuals residuals, mm */
     float largest[2];       /* largest term of a vertex in cluster sums: mass times displacement; that times position */
@@ -35,8 +35,8 @@ typedef struct smr_forces {
     smr_tally *tally;
     float *force;        /* [n][3] force, mm; during the search: displacement to the goal, mm */
     float *residual;     /* [n] distance of a vertex to its target mesh, or to its goal, mm; -1: half visible or less */
-    uint8_t *found;      /* [n] SMR_FOUND_... of the current forces */
-    uint8_t *found_last; /* [n] SMR_FOUND_... of the last complete forces */
+    uint8_t *found;      /* [n] SMR_FOUND_...: result of each vertex' search in the current forces */
+    uint8_t *found_last; /* [n] SMR_FOUND_...: result of each vertex' search in the last complete forces */
     smr_force_totals totals;
     float matched;       /* share of searched vertices that have a goal; -1: no vertex was searched */
     uint32_t unmeasured; /* 1: no forces were completed since a target, the image or positions were set */
@@ -48,7 +48,7 @@ void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outda
 /* Returns the share of a structure's searched vertices that have a goal; -1: not yet searched on this target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
-uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
+uint32_t smr_force_chunk(const smr_forces *f); /* number of vertices in a task of smr_forces_search */
 /* Returns the factor on the force of v, 0..1, which falls at the end for image goals, except near hard landmarks. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
 

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/match/cluster_match.h"
 
-#define SMR_BOUNDARY_CHUNK 16u /* boundary pairs of a task */
+#define SMR_BOUNDARY_CHUNK 16u /* number of boundary pairs in a task */
 
 uint32_t smr_boundary_tasks(const void *arg)
 {

@@ -27,7 +27,7 @@ typedef struct smr_reference {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;
-    smr_sums *sums; /* sums the moments of x^r before the displacements */
+    smr_sums *sums; /* memory in which the moments of x^r are summed */
     smr_tally *tally;
     uint32_t stale;   /* 1: x^r or the active vertices are new */
     uint32_t missing; /* 1: centre, spread, cluster_mass and share must be computed after a restore */

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/deformed_shape.h"
 
-#define SMR_LEAVES 32u /* tree leaves of a task */
+#define SMR_LEAVES 32u /* number of tree leaves in a task */
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {

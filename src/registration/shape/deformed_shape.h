@@ -12,9 +12,9 @@ struct smr_dynamics;
 
 typedef struct smr_shape_structure {
     uint32_t first_vertex, n_vertices; /* range of vertices in the caller's numbering */
-    uint32_t first_triangle;           /* first triangle of the structure in the model */
-    uint32_t first_leaf;               /* first leaf of the structure's tree, counted over all structures */
-    smr_box_tree tree;                 /* triangles of the structure, with their current normals and box tree */
+    uint32_t first_triangle;           /* index of the structure's first triangle in the model */
+    uint32_t first_leaf; /* index of the first leaf of the structure's tree among the leaves of all structures */
+    smr_box_tree tree;   /* triangles of the structure, with their current normals and box tree */
 } smr_shape_structure;
 
 /* State of tracking's rest shape, besides arrays. */
@@ -34,14 +34,14 @@ typedef struct smr_track_rest {
 typedef struct smr_shape {
     const smr_shared *shared;
     smr_vec origin; /* origin of all positions in the caller's coordinates, mm, whole numbers */
-    /* written when positions are set */
+    /* members set with the start positions */
     float *start;      /* [n][3] start positions, mm */
     smr_box start_box; /* box around the start positions, mm */
     /* x and x_next are exchanged when an iteration is complete */
     float *x;      /* [n][3] positions of the last complete iteration, mm */
     float *x_next; /* [n][3] positions of the current iteration, mm; until evolve, the positions before x */
     float *normal; /* [n][3] unit normals at x; 0 for vertices without triangles */
-    /* written by plasticity, and when a registration starts */
+    /* members that plasticity and a start write */
     float *x_ref;                   /* [n][3] reference shape x^r, mm */
     float *normal_ref;              /* [n][3] unit normals of the reference shape */
     smr_shape_structure *structure; /* [n_structures] structures of the model */
@@ -53,12 +53,12 @@ typedef struct smr_shape {
     smr_pose rest_pose;     /* similarity from the rest shape onto x */
     smr_fit fit;            /* sums of the fit of rest_pose so far */
     uint32_t rest_pose_due; /* 1: rest_pose must be fitted to x */
-    smr_track_rest *track_rest; /* NULL: neither tracking nor dynamics */
+    smr_track_rest *track_rest; /* state of tracking's rest shape; NULL: neither tracking nor dynamics */
     float *track_rest_x;        /* [n][3] tracking's rest shape: the result of the schedule, mm */
     float *image_x;             /* [n][3] x when the tracked image became outdated, mm; NULL: images are not tracked */
     smr_pose *track_pose;       /* [n_structures] rigid pose of each structure, from track_rest_x to x */
     smr_pose *track_pose_last;  /* [n_structures] track_pose when targets were set last; NULL: nothing is predicted */
-    struct smr_dynamics *dynamics; /* NULL: no dynamics */
+    struct smr_dynamics *dynamics; /* velocities and masses of dynamics; NULL: no dynamics */
     /* [n][3] start positions of a sweep of dynamics, mm, until evolve, in the memory of x_next; NULL: x */
     float *from;
 } smr_shape;
@@ -68,7 +68,7 @@ void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees 
 
 /* Moving triangles: their normals, and box trees where a stage needs them. */
 void smr_triangles_follow(smr_shape *shape, const float *xyz); /* lets the triangles read their corners at xyz [n][3] */
-void smr_triangles_now(smr_shape *shape);                      /* updates all normals and boxes at x */
+void smr_triangles_now(smr_shape *shape);                      /* updates the normals and boxes of all triangles at x */
 smr_count_tasks smr_triangles_tasks;
 smr_run_task smr_triangles_refit;
 void smr_triangles_end(smr_shape *shape);
@@ -84,7 +84,7 @@ void smr_rest_pose_now(smr_shape *shape); /* fits rest_pose at once, without ste
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_track_rest_wire(smr_shape *shape);   /* counts the summation's tasks in n_tasks */
 void smr_track_rest_derive(smr_shape *shape); /* computes the box around track_rest_x */
-void smr_track_rest_start(smr_shape *shape);  /* x becomes tracking's rest shape */
+void smr_track_rest_start(smr_shape *shape);  /* copies x to track_rest_x, tracking's rest shape */
 smr_count_tasks smr_track_rest_sum_tasks;
 smr_run_task smr_track_rest_sum; /* adds a chunk of vertices to the fits of poses; one task after the other */
 void smr_track_rest_sum_end(smr_shape *shape);

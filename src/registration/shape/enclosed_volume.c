@@ -7,10 +7,10 @@
 #include "registration/shape/enclosed_volume.h"
 
 #define SMR_SIXTH (1.0f / 6.0f)
-#define SMR_APEX_VERTICES 64u /* most vertices whose mean is the apex */
-#define SMR_THIN 1.0e-3f      /* mm: a thinner structure has no volume */
+#define SMR_APEX_VERTICES 64u /* largest number of vertices whose mean is the apex of the cones */
+#define SMR_THIN 1.0e-3f      /* mm: volume / area below which a structure counts as without volume */
 #define SMR_FLAT 1.0e-6f      /* least determinant of a covariance with largest entry 1 that has an orientation */
-#define SMR_NEWTON 12u        /* Newton steps; the cubic is nearly linear in its range */
+#define SMR_NEWTON 12u        /* number of Newton steps; the cubic is nearly linear where solved */
 
 /* Returns the position of vertex v in xyz [n][3], mm; xyz NULL: in the rest shape. */
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)

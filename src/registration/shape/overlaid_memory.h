@@ -28,8 +28,8 @@ typedef union smr_tally {
     struct {
         float goal_sum, goal_sum2; /* sum, mm, and sum of squares, mm^2, of the distances to goals */
         float sum, sum2, max;      /* sum, mm, sum of squares, mm^2, and maximum, mm, of the residuals */
-        float largest[2];          /* largest values of the two kinds of quantities in the cluster sums */
-        uint8_t n_forces, n_rejected, n_residuals; /* at most SMR_CHUNK */
+        float largest[2];          /* largest mass times displacement; largest mass times displacement times position */
+        uint8_t n_forces, n_rejected, n_residuals; /* numbers of vertices: with a goal; without; with a residual */
     } forces;
     struct {
         float deviation2; /* largest squared distance of x^r from the rest shape in its pose, mm^2 */
@@ -38,7 +38,7 @@ typedef union smr_tally {
         uint32_t index; /* first index of the block's next piece */
     } sums;
     struct {
-        float largest[2]; /* largest entry of R - I; largest entry of t, mm */
+        float largest[2]; /* largest entry of R - I or of rotation vectors; largest entry of t or of rates, mm */
     } match;
     struct {
         float moved2;  /* largest squared displacement, mm^2 */
@@ -85,7 +85,7 @@ typedef struct smr_overlay {
     uint32_t *sum;    /* [n][SMR_WORDS] sums of records over clusters and next normals; at least n_sum words */
     smr_rings rings;
     smr_spread spread;
-    smr_tally *tally; /* [n_tallies] results of tasks */
+    smr_tally *tally; /* [n_tallies] results of tasks for the end of their step */
 } smr_overlay;
 
 /* Takes record, sum and tally from the arena. words: words of a record; n_sum: fewest words of `sum`. */

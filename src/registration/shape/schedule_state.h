@@ -7,10 +7,10 @@
 #include "base/vec.h"
 #include "model/model.h"
 
-#define SMR_WORDS 16u           /* 32-bit words of a summed record: one cache line */
-#define SMR_CHUNK 128u          /* vertices of a task */
-#define SMR_MATCH_CHUNK 32u     /* vertices of a task whose vertices take much time */
-#define SMR_TRIANGLE_CHUNK 256u /* triangles of a task */
+#define SMR_WORDS 16u           /* number of 32-bit words of a summed record: one cache line */
+#define SMR_CHUNK 128u          /* number of vertices in a task */
+#define SMR_MATCH_CHUNK 32u     /* number of vertices in a task whose vertices take much time */
+#define SMR_TRIANGLE_CHUNK 256u /* number of triangles in a task */
 
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
@@ -33,7 +33,7 @@ typedef struct smr_shared {
     uint32_t n_triangles, n_structures, n_radii, n_dihedrals;
     uint32_t n_tasks;         /* number of chunks of SMR_CHUNK vertices */
     const uint32_t *triangle; /* [n_triangles][3] stored vertices; on little-endian hosts in the model itself */
-    float mass_max;           /* largest mass of a vertex */
+    float mass_max;           /* largest mass of a vertex in the model */
     float mass_unit;          /* masses are whole multiples of 1 / mass_unit */
     float mass_sum;           /* sum of all masses, in dynamics; 0: unknown */
     const float *mass;        /* [n] weights in the clusters' fits, in dynamics; NULL: the model's masses */
@@ -50,10 +50,10 @@ enum { SMR_IMAGE_NEW = 0, SMR_IMAGE_CURRENT = 1, SMR_IMAGE_PAST = 2 };
 typedef struct smr_schedule {
     uint32_t radius;           /* index of the current radius */
     uint32_t radius_iteration; /* number of complete iterations at the current radius */
-    uint32_t iteration;        /* complete iterations since the start */
+    uint32_t iteration;        /* number of complete iterations since the start */
     uint32_t n_points;         /* number of points of all clouds when the current radius began */
-    uint32_t since_plastic;    /* complete iterations since x^r last changed */
-    uint32_t plastic_updates;  /* number of plastic updates since the start */
+    uint32_t since_plastic;    /* number of complete iterations since x^r last changed */
+    uint32_t plastic_updates;  /* number of times since the start that x^r was set to x */
     uint32_t converged, done;  /* 1: the schedule has ended at rest; 1: the schedule has ended */
     uint32_t repairing;        /* number of the current iteration of fold repair, from 1; 0: none is due */
     uint32_t n_set;            /* number of times that targets were set */
@@ -63,12 +63,12 @@ typedef struct smr_schedule {
     uint32_t n_active_chosen;  /* the caller's choice of n_active (smr_set_active); 0: none */
     smr_lists lists;           /* clusters of the current radius */
     float search_mm;           /* search distance of closest points at the current radius, mm */
-    float momentum;            /* share of the last displacement that is added to the forces at this radius */
+    float momentum;            /* share of the last displacement that is added to the forces at the current radius */
     float fade;        /* 0..1: share of image forces and momentum; falls at the end of a registration to an image */
     float profile_mm;  /* search distance of intensity profiles in this iteration, mm */
     float farthest_mm; /* search distance of intensity profiles without the limit by the cluster radius, mm */
     float gradient_mm; /* search distance of edges in this iteration, mm */
-    /* written by tracking, and when inputs are set */
+    /* members that tracking and new inputs set */
     uint32_t tracking;        /* 1: the schedule is done, and targets are tracked */
     uint32_t recovering;      /* 1: at a coarser radius after a jump of targets; 2: back at the radius of tracking */
     uint32_t changed;         /* SMR_CHANGED..: an input was set since the last iteration began; 0: none */

@@ -7,13 +7,13 @@
 #include "geometry/surface/surface.h"
 #include "registration/shape/deformed_shape.h"
 
-#define SMR_FORCE_CHUNK 4u        /* vertices, or target vertices, of a task that searches a surface */
+#define SMR_FORCE_CHUNK 4u        /* number of vertices, or target vertices, in a task that searches a surface */
 #define SMR_VISIBLE_ONE 255u      /* visibility of a fully visible vertex */
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* pulling area, in mean areas of a target vertex, from which on pulls count fully */
 
 typedef struct smr_target {
-    const smr_surface *surface;   /* the target; NULL: none */
+    const smr_surface *surface;   /* target surface or cloud of a structure; NULL: none */
     uint32_t partial;             /* 1: goals are weighted by visibility; 0: all goals have full weight */
     uint32_t n_visible, n_judged; /* number of visible and of judged vertices at the last judgement of visibility */
     uint32_t had_target;          /* 1: the structure had a target when the current iteration began */
@@ -29,10 +29,10 @@ typedef struct smr_target {
 /* A distinct target surface. Several structures may share one. */
 typedef struct smr_goal {
     const smr_surface *surface;
-    uint32_t first_task; /* first task of this target in the target-to-model search */
-    uint32_t n_vertices; /* vertices of the surface when it was set */
+    uint32_t first_task; /* index of this target's first task in the target-to-model search */
+    uint32_t n_vertices; /* number of vertices of the surface when the target was set */
     uint32_t first_warm; /* index of the target's first vertex in target_warm and target_residual */
-    uint32_t structure;  /* first structure with this target */
+    uint32_t structure;  /* index of the first structure with this target */
     uint32_t first_body; /* index of the target's first component in body_weight and body_sum */
     uint32_t n_bodies;   /* number of the surface's components that have their own weights; 0: no room for weights */
     float scale, area_share; /* scale of residuals, mm; share of the area that the model can cover; current forces */
@@ -49,10 +49,10 @@ typedef struct smr_body_sum {
 #define SMR_RESIDUALS 200u /* bins of the histogram of residuals, an eighth of an octave each; last bin: no residual */
 #define SMR_BODY_SLOTS(n_structures) (SMR_BODY_PART + SMR_BODY_FIRST * (n_structures))
 
-/* A structure's cloud when it was set. */
+/* Checksum and size of a structure's cloud when the cloud was set. */
 typedef struct smr_points_then {
     uint64_t sum; /* smr_points_checksum() of the cloud; 0: the target was no cloud */
-    uint32_t n;   /* number of points */
+    uint32_t n;   /* number of points of the cloud */
 } smr_points_then;
 
 typedef struct smr_surface_goals {
@@ -65,12 +65,12 @@ typedef struct smr_surface_goals {
     uint32_t n_goals;      /* number of distinct targets */
     uint32_t n_clouds;     /* number of distinct targets that are clouds */
     uint32_t n_points;     /* number of points of all clouds */
-    uint32_t n_goals_at_begin, n_clouds_at_begin, n_points_at_begin; /* the counts when the current iteration began */
+    uint32_t n_goals_at_begin, n_clouds_at_begin, n_points_at_begin; /* counts when this iteration began */
     uint32_t n_tasks;                                                /* number of tasks of the target-to-model search */
     const float *spread; /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
-    /* written by the search for goals */
+    /* members that the search for goals writes */
     uint32_t *warm;        /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
-    uint32_t *warm_next;   /* [n] closest target triangle in the current forces, which may be restarted */
+    uint32_t *warm_next;   /* [n] closest target triangle of each vertex in the current forces, which may restart */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
     uint16_t *target_residual; /* [n_target_vertices] distance to the model, logarithmic (outlier_weights.c) */
     uint64_t *histogram;       /* [SMR_RESIDUALS] area of the target vertices whose residuals lie in each bin */
@@ -78,7 +78,7 @@ typedef struct smr_surface_goals {
     smr_body_sum *body_sum;    /* [SMR_BODY_SLOTS] area and inliers of each component */
     int64_t *pull; /* [n_workers][n][4] sum of pulls on each vertex, and weight; 0 between iterations; NULL: none */
     uint8_t *visibility;      /* [n] 0 .. SMR_VISIBLE_ONE: visibility at the last judgement; NULL: never judged */
-    uint8_t *visibility_next; /* [n] visibility in the current forces */
+    uint8_t *visibility_next; /* [n] 0 .. SMR_VISIBLE_ONE: visibility of each vertex in the current forces */
     uint32_t partial;         /* 1: some target is partial */
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
 } smr_surface_goals;
@@ -119,7 +119,7 @@ int smr_reject_distance(const smr_surface_goals *g,
                         float d2); /* 1: a correspondence of squared length d2, mm^2, is an outlier */
 /* 1: the closest point lies on an open border of the target */
 int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit);
-/* outlier limit of the next iteration, mm: mean plus k standard deviations of the residuals; 0: none */
+/* returns the outlier limit of the next iteration, mm: mean plus k standard deviations of the residuals; 0: none */
 float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float mean_square);
 
 /* Returns 1 when some target pulls the model. */
@@ -144,7 +144,7 @@ static inline float smr_target_area(const smr_surface *s, uint32_t j)
     return s->area_mean > 0.0f ? smr_min(s->area[j] / smr_max(s->area_mean, 1.0e-20f), 16.0f) : 1.0f;
 }
 
-/* outlier_weights.c. The weight, 0..1, of the pull of target vertex j with the squared residual r2, mm^2. */
+/* outlier_weights.c. Returns the weight, 0..1, of the pull of target vertex j with the squared residual r2, mm^2. */
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2);
 void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm); /* stores a residual in target_residual[slot] */
 

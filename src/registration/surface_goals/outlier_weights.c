@@ -12,13 +12,13 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
-#define SMR_OUTLIER_CHUNK 256u    /* target vertices, or triangles of the model, of a task */
+#define SMR_OUTLIER_CHUNK 256u    /* number of target vertices, or of model triangles, in a task */
 #define SMR_OUTLIER_SIGMA 1.4826f /* standard deviation / median absolute value of a normal distribution */
-#define SMR_OUTLIER_CUT 4.685f    /* deviations at which the biweight is 0: 95 % efficiency for normal residuals */
+#define SMR_OUTLIER_CUT 4.685f    /* residual / deviation from which on the weight is 0: 95 % efficiency if normal */
 #define SMR_OUTLIER_EDGES 1.0f    /* smallest residual of weight 0 on a mesh, in mean edges: triangles are flat */
 #define SMR_OUTLIER_POINTS 0.25f  /* smallest residual of weight 0 on a cloud, in mean edges: near strays harm most */
 #define SMR_OUTLIER_AREA 65536.0f /* areas are summed in units of 1 / 65536 of the mean area */
-#define SMR_OUTLIER_RADII 0.35f   /* smallest cut in cluster radii, up to the last radius: large clusters are stiff */
+#define SMR_OUTLIER_RADII 0.35f   /* smallest residual of weight 0 in cluster radii: large clusters are stiff */
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius / scale of residuals that is assumed for a moved target */
 #define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
@@ -28,7 +28,7 @@
 
 /* Residuals are kept in 16 bits, in 1 / 1024 of an octave from 2^-12 mm, and counted in eighths of an octave. */
 #define SMR_RESIDUAL_LEAST ((127u - 12u) << 10)
-#define SMR_RESIDUAL_STEPS 128u /* steps of a residual in an eighth */
+#define SMR_RESIDUAL_STEPS 128u /* number of steps of a stored residual in an eighth of an octave */
 
 void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm)
 {

@@ -29,8 +29,8 @@ enum {
 /* A step: n_tasks tasks (0: no step), then one serial call of `end`. Other functions get the stage's own struct. */
 typedef struct smr_step {
     uint16_t part;        /* SMR_PART_...: the step runs where one of these parts is in use */
-    uint16_t phase;       /* SMR_PHASE_... */
-    uint16_t work, order; /* SMR_WORK_...; SMR_ANY_ORDER or SMR_SERIAL */
+    uint16_t phase;       /* SMR_PHASE_...: phase to which the step's time counts */
+    uint16_t work, order; /* SMR_WORK_...: what the step's time is proportional to; order of tasks, SMR_SERIAL or any */
     uint32_t stage;       /* offset of the stage's struct in the registration, bytes */
     smr_count_tasks *n_tasks;
     smr_task run;
@@ -67,13 +67,13 @@ uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for 
 /* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which existed. */
 void smr_abandon_iteration(smr *s);
 
-/* coarse_to_fine_schedule.c: between iterations. */
+/* coarse_to_fine_schedule.c: work between iterations. */
 void smr_schedule_start(smr *s); /* starts at the first radius, from the present positions */
 void smr_schedule_begin(smr *s); /* before an iteration: chooses active vertices, search distances and momentum */
 void smr_schedule_next(smr *s);  /* after an iteration: plasticity, the next radius, or the end */
 
 /* time_budget.c: fits an iteration into a time budget. */
-void smr_budget_start(smr *s);                    /* sets all costs to unknown */
+void smr_budget_start(smr *s);                    /* sets the costs of all steps to unknown */
 void smr_budget_plan(smr *s, uint64_t budget_ns); /* before an iteration: decides whether vertices may be left out */
 void smr_budget_resume(smr *s);                   /* when a tick continues an iteration: marks the iteration as late */
 void smr_budget_done(smr *s);                     /* after an iteration: stores its time; adapts the margin */

@@ -13,13 +13,13 @@
 #define SMR_RISE 0.5f        /* weight of a measured cost above the rate in the new rate, a running mean */
 #define SMR_FALL 0.125f      /* weight of a measured cost below the rate: the rate stays near the upper usual costs */
 #define SMR_OUTLIER 0.0625f  /* largest excess of a measured time that counts, as a share of an iteration's time */
-#define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
-#define SMR_MARGIN_MAX 1.5f  /* largest factor on the reserve */
+#define SMR_MARGIN_MIN 1.03f /* smallest factor on the predicted time kept in reserve */
+#define SMR_MARGIN_MAX 1.5f  /* largest factor on the predicted time kept in reserve */
 #define SMR_LATE 0.0625f     /* added to the factor on the reserve when an iteration did not end in its tick */
 #define SMR_IN_TIME 0.001f   /* subtracted from the factor on the reserve per iteration in time: one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
 #define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
-#define SMR_FORK_TASKS 64.0f      /* most tasks of a worker in one parallel loop */
+#define SMR_FORK_TASKS 64.0f      /* most tasks for each worker in one parallel loop */
 #define SMR_LOOK 16u              /* fewest vertices between two checks of the reserve */
 #define SMR_CLOSING 3u            /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
 
