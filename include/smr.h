@@ -429,7 +429,7 @@ typedef struct smr_model_info {
     float radius_mm[SMR_RADII_MAX];
     float indexes_per_cluster[SMR_RADII_MAX]; /* mean number of stored indexes per cluster: zeta+, zeta- and roots */
     float direct_per_cluster[SMR_RADII_MAX];  /* mean number of vertices per cluster, |zeta|, all read by direct sums */
-    uint32_t largest_cluster[SMR_RADII_MAX];  /* most vertices in one cluster, up to 1 um beyond its radius by half */
+    uint32_t largest_cluster[SMR_RADII_MAX];  /* vertices of the largest cluster (half up to 1 um beyond the radius) */
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];   /* 1: each cluster contains one structure only */
@@ -621,8 +621,8 @@ typedef struct smr_partial_config {
      * target's closest points lie elsewhere on the model. Occluded vertices follow the image, or a smooth field of
      * visible vertices. auto: whole for closed surfaces of which the model covers nine tenths. whole: no memory. */
     uint32_t coverage;
-    /* mm, [0, 100], default 0. Noise of clouds and target surfaces. Nearer points than this do not
-     * attract the model; farther ones attract by the excess of distance. At 0 the noise of many points averages out. */
+    /* mm, [0, 100], default 0. Noise of clouds and target surfaces. Points nearer to the model attract
+     * nothing; farther points attract by the excess of distance. At 0 the noise of many points averages out. */
     float noise_mm;
     uint32_t n_landmarks; /* landmarks, [0, 64], default 0. Largest number of landmarks; 0 takes no memory */
 } smr_partial_config;
