@@ -5,7 +5,6 @@
 #define BYTE_BUFFER_H
 
 #include <stddef.h>
-#include <stdint.h>
 
 #include "base/error_line.h"
 

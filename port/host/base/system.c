@@ -7,7 +7,6 @@
 #include "base/system.h"
 
 #include <sched.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "base/text_scan.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

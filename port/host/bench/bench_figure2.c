@@ -10,7 +10,6 @@
 #include <stdlib.h>
 
 #include "bench/bench_job.h"
-#include "options/options.h"
 
 #define HOST_SHARES 21u /* most shares: 0, 5, ... 95 % ignored, and the largest possible share */
 

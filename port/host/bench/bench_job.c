@@ -4,12 +4,9 @@
 
 #include "bench/bench_job.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-#include "base/system.h"
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {

@@ -4,7 +4,6 @@
 #ifndef BENCH_JOB_H
 #define BENCH_JOB_H
 
-#include "base/byte_buffer.h"
 #include "phantom/thigh_phantom.h"
 #include "files/output_files.h"
 #include "register/register_job.h"

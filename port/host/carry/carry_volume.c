@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
-#include "volumes/voxel_volume.h"
-
 #define SWEEPS 60u
 #define FIT_SPACING_MM 5.0f /* coarser grids have too few voxels for the vertices, and are left */
 #define FIT_MM 0.002

@@ -3,7 +3,6 @@
 #ifndef CARRY_VOLUME_H
 #define CARRY_VOLUME_H
 
-#include "base/byte_buffer.h"
 #include "carry/carry_result.h"
 #include "volumes/voxel_volume.h"
 

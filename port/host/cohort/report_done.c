@@ -4,16 +4,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/byte_buffer.h"
 #include "cohort/report_head.h"
-#include "files/file_read.h"
 #include "report/json_write.h"
 
 /* 1 when the path leads to a regular file of so many bytes with this checksum (files/gzip_write.h). Does not count as

@@ -5,7 +5,6 @@
 #include "cohort/report_head.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

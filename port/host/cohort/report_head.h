@@ -4,13 +4,8 @@
 #ifndef REPORT_HEAD_H
 #define REPORT_HEAD_H
 
-#include "files/file_read.h"
 #include "landmarks/json_scan.h"
-#include "measure/surface_distances.h"
 #include "register/register_job.h"
-#include "smr.h"
-#include "base/byte_buffer.h"
-#include "options/options.h"
 
 /* "DIRECTORY/NAME", to be freed. NULL when out of memory, or where the name leads out of the directory. */
 char *host_report_beside(const char *directory, const char *name);

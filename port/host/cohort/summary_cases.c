@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/byte_buffer.h"
-#include "cohort/report_head.h"
 #include "files/file_names.h"
 #include "html/page_data.h"
 

@@ -3,9 +3,7 @@
 #ifndef SUMMARY_CASES_H
 #define SUMMARY_CASES_H
 
-#include "base/byte_buffer.h"
 #include "cohort/report_head.h"
-#include "options/options.h"
 
 enum { HOST_CASE_READ = 0, HOST_CASE_UNREADABLE, HOST_CASE_MISSING };
 

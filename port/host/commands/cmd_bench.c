@@ -3,11 +3,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/system.h"
 #include "bench/bench_job.h"
 #include "commands/commands.h"
-#include "files/output_files.h"
-#include "phantom/thigh_phantom.h"
 
 int host_bench_run(const host_options *options, host_error *error)
 {

@@ -5,12 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "carry/carry_result.h"
 #include "carry/carry_volume.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
 #include "landmarks/landmarks.h"
-#include "volumes/voxel_volume.h"
 
 #define ERRORS_MAX 100u /* points whose expected errors are printed */
 #define NAMED_MAX 5u    /* points that were not found are named up to here */

@@ -5,14 +5,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/error_line.h"
 #include "base/system.h"
 #include "commands/commands.h"
 #include "files/file_names.h"
 #include "labels/label_map.h"
 #include "landmarks/landmarks.h"
 #include "model/model_from_files.h"
-#include "volumes/voxel_volume.h"
 
 #define ALIKE_LEAST 0.75 /* of neighbours along the first axis that are not both 0: one label goes on */
 

@@ -9,10 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
 #include "commands/commands.h"
-#include "files/output_files.h"
-#include "labels/label_map.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_set.h"
 

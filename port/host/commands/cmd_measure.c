@@ -6,12 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
 #include "commands/commands.h"
 #include "labels/label_overlap.h"
-#include "measure/surface_distances.h"
-#include "meshes/triangle_mesh.h"
-#include "model/model_from_files.h"
 #include "options/options_table.h"
 
 static void print_one(const host_overlap *o)

@@ -3,11 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "carry/carry_result.h"
 #include "cohort/report_head.h"
 #include "commands/commands.h"
-#include "files/file_read.h"
-#include "files/output_files.h"
 #include "html/page_data.h"
 #include "report/register_report.h"
 #include "scene/mrml_scene.h"

@@ -4,14 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/byte_buffer.h"
 #include "carry/carry_result.h"
 #include "commands/commands.h"
-#include "files/file_read.h"
-#include "files/output_files.h"
 #include "html/page_data.h"
-#include "register/register_job.h"
-#include "track/track_frames.h"
 
 #define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
 #define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */

@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include "files/gzip_write.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 
 void host_crc32_start(host_crc32 *crc)

@@ -3,9 +3,6 @@
 #ifndef GZIP_WRITE_H
 #define GZIP_WRITE_H
 
-#include <stddef.h>
-#include <stdint.h>
-
 #include "base/byte_buffer.h"
 
 typedef struct host_crc32 {

@@ -5,9 +5,6 @@
 #ifndef LOG_FILE_H
 #define LOG_FILE_H
 
-#include <stddef.h>
-#include <stdint.h>
-
 #include "base/byte_buffer.h"
 
 #define HOST_LOG_TICKS_MAX 1000000u /* most ticks recorded */

@@ -5,8 +5,6 @@
 #include <float.h>
 #include <string.h>
 
-#include "model/model_from_files.h"
-
 #define UNKNOWN 65535u /* a value that is not known */
 #define MOST 65534.0f  /* the largest value */
 

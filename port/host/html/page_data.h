@@ -4,11 +4,7 @@
 #ifndef PAGE_DATA_H
 #define PAGE_DATA_H
 
-#include "options/options.h"
 #include "report/json_write.h"
-#include "meshes/triangle_mesh.h"
-#include "model/model_from_files.h"
-#include "volumes/voxel_volume.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
 

@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/model_from_files.h"
-#include "volumes/voxel_volume.h"
-
 #define BINS 4096
 #define CUT 0.001
 

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "files/file_read.h"
 #include "html/page_data.h"
 #include "report/register_report.h"
 

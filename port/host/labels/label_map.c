@@ -10,7 +10,6 @@
 #include "base/system.h"
 #include "files/file_names.h"
 #include "files/gzip_write.h"
-#include "volumes/voxel_volume.h"
 
 static int refuse_value(const host_volume *v, size_t i, uint32_t layers, host_error *error)
 {

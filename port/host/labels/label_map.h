@@ -4,11 +4,6 @@
 #ifndef LABEL_MAP_H
 #define LABEL_MAP_H
 
-#include <stddef.h>
-#include <stdint.h>
-
-#include "base/byte_buffer.h"
-#include "smr.h"
 #include "volumes/voxel_volume.h"
 
 #define HOST_LABEL_MAX 16777215u /* the largest label read: floats hold larger numbers with gaps */

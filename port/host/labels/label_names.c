@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text_scan.h"
 #include "files/file_read.h"
 
 #define SNAP_NUMBERS 6u

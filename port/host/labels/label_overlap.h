@@ -3,7 +3,6 @@
 #ifndef LABEL_OVERLAP_H
 #define LABEL_OVERLAP_H
 
-#include "labels/label_map.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_set.h"
 #include "measure/surface_distances.h"

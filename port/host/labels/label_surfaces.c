@@ -3,16 +3,12 @@
 #include "labels/label_surfaces.h"
 
 #include <math.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/error_line.h"
 #include "base/system.h"
 #include "labels/surface_net.h"
 #include "measure/surface_distances.h"
-#include "volumes/voxel_volume.h"
 
 /* Cell (x, y, z) of a map of size (nx, ny, nz), 0 <= x <= nx and so on, lies between the voxels (x - 1, y - 1, z -
  * 1) and (x, y, z); beyond the map all is background. Its number is x + (nx + 1) (y + (ny + 1) z). */

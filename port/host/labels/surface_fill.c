@@ -10,10 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
-#include "meshes/triangle_mesh.h"
-#include "volumes/voxel_volume.h"
-
 #define BITS 29 /* of rounded coordinates: products of two differences fit 64 bits */
 #define SHIFT_MOST 20
 #define SHIFT_LEAST 8

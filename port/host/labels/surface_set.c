@@ -8,11 +8,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/system.h"
 #include "files/file_names.h"
-#include "labels/label_map.h"
 #include "measure/surface_distances.h"
-#include "volumes/voxel_volume.h"
 
 #define BATCH 8u    /* surfaces that are filled at a time */
 #define CHUNK 1024u /* claims per task */

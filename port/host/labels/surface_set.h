@@ -4,9 +4,7 @@
 #define SURFACE_SET_H
 
 #include "labels/label_map.h"
-#include "meshes/triangle_mesh.h"
 #include "track/track_frames.h"
-#include "volumes/voxel_volume.h"
 
 typedef struct host_surface_set {
     const char *directory; /* borrowed */

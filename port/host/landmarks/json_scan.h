@@ -3,8 +3,6 @@
 #ifndef JSON_SCAN_H
 #define JSON_SCAN_H
 
-#include <stddef.h>
-
 #include "base/error_line.h"
 #include "base/text_scan.h"
 

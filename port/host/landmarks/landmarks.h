@@ -4,13 +4,7 @@
 #ifndef LANDMARKS_H
 #define LANDMARKS_H
 
-#include <stddef.h>
-#include <stdint.h>
-
-#include "base/error_line.h"
-#include "base/text_scan.h"
 #include "files/file_read.h"
-#include "base/byte_buffer.h"
 #include "meshes/triangle_mesh.h"
 
 #define HOST_LANDMARKS_MAX 64u

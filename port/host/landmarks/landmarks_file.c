@@ -4,9 +4,7 @@
 #include <string.h>
 
 #include "files/file_names.h"
-#include "files/file_read.h"
 #include "landmarks/landmarks.h"
-#include "smr.h"
 
 #define FIELDS_MAX 32u
 #define SLICER_FIELDS 14u /* of a row in .fcsv */

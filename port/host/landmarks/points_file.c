@@ -6,9 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/byte_buffer.h"
 #include "files/file_names.h"
-#include "files/file_read.h"
 #include "landmarks/landmarks.h"
 
 /* Room for the orientations of so many points; what is new are the axes of LPS. */

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/system.h"
-#include "meshes/triangle_mesh.h"
 
 static int by_distance(const void *a, const void *b)
 {

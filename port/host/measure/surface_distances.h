@@ -4,7 +4,6 @@
 #define SURFACE_DISTANCES_H
 
 #include "meshes/triangle_mesh.h"
-#include "smr.h"
 
 /* Vertices, then midpoints of edges, then centroids of triangles. A mesh without triangles has its vertices only. */
 typedef struct host_samples {

@@ -8,11 +8,9 @@
 #include <string.h>
 
 #include "base/system.h"
-#include "base/text_scan.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
 #include "meshes/mesh_reader.h"
-#include "meshes/triangle_mesh.h"
 
 /* Grows an array to at least `need` rows of 12 bytes; at least doubles its capacity, up to `limit` rows. */
 static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t need, size_t limit, const char *what)

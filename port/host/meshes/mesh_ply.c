@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
-#include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
 #define HOST_PLY_ELEMENTS_MAX 16u

@@ -3,10 +3,6 @@
 #ifndef MESH_READER_H
 #define MESH_READER_H
 
-#include <stddef.h>
-#include <stdint.h>
-
-#include "base/text_scan.h"
 #include "meshes/triangle_mesh.h"
 
 /* A mesh being read. `unit` and `number` are the reader's place in the file, for the error line. */

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
 #define HEADER_BYTES 84u

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 
-#include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
 /* The type with this name ("float", "vtktypeint64", ...); HOST_TYPE_NONE when unknown. */

@@ -6,9 +6,6 @@
 #ifndef TRIANGLE_MESH_H
 #define TRIANGLE_MESH_H
 
-#include <stddef.h>
-#include <stdint.h>
-
 #include "base/byte_buffer.h"
 #include "base/text_scan.h"
 #include "smr.h"

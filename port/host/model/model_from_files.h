@@ -5,7 +5,6 @@
 
 #include "meshes/triangle_mesh.h"
 #include "options/options.h"
-#include "base/error_line.h"
 
 /* A structure: its name and rest shape. */
 typedef struct host_part {

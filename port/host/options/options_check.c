@@ -2,13 +2,10 @@
  * are read.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
-#include <stddef.h>
 #include <string.h>
 
-#include "base/text_scan.h"
 #include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
-#include "options/options.h"
 #include "options/options_table.h"
 #include "volumes/voxel_volume.h"
 

@@ -1,13 +1,10 @@
 /* options_read.c: option reading, driven by the table of options_table.c.
  * SPDX-License-Identifier: MIT */
-#include "options/options.h"
 
 #include <float.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text_scan.h"
 #include "options/options_table.h"
 
 #define OF(field) offsetof(host_options, field)

@@ -4,8 +4,6 @@
 #ifndef OPTIONS_TABLE_H
 #define OPTIONS_TABLE_H
 
-#include <stddef.h>
-
 #include "options/options.h"
 
 enum {

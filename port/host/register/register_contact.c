@@ -5,8 +5,6 @@
 #include <string.h>
 
 #include "files/file_names.h"
-#include "meshes/triangle_mesh.h"
-#include "model/model_from_files.h"
 #include "register/register_job.h"
 
 #define MOST_MM 2.0f /* deeper is more than what folds and large triangles keep back */

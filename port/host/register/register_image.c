@@ -5,12 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
-#include "files/file_read.h"
-#include "labels/label_map.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_set.h"
-#include "landmarks/landmarks.h"
 #include "register/register_job.h"
 
 /* Names the structures that nothing is measured of, in one line. */

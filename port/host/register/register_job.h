@@ -4,17 +4,11 @@
 #ifndef REGISTER_JOB_H
 #define REGISTER_JOB_H
 
-#include <stdint.h>
-
-#include "base/error_line.h"
 #include "base/system.h"
 #include "labels/label_map.h"
 #include "landmarks/landmarks.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
-#include "options/options.h"
-#include "smr.h"
-#include "volumes/voxel_volume.h"
 
 enum { HOST_VERDICT_GOOD = 0, HOST_VERDICT_LOOK, HOST_VERDICT_FAILED };
 

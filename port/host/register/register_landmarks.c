@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "landmarks/landmarks.h"
-#include "smr.h"
-
 int host_landmark_pairs_read(const host_options *options, const host_files *files, host_landmarks *set,
                              float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3], uint32_t *n,
                              host_error *error)

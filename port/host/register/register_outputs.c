@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
 #include "carry/carry_result.h"
-#include "files/file_read.h"
 #include "files/log_file.h"
 #include "register/register_job.h"
 

@@ -7,8 +7,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/system.h"
-#include "options/options.h"
 #include "register/register_job.h"
 
 static uint32_t part_of(const host_job *job, const char *word, size_t n)

@@ -4,9 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/system.h"
 #include "files/file_names.h"
-#include "model/model_from_files.h"
 #include "register/register_job.h"
 
 static uint32_t n_surfaces(const host_options *options) { return options->image_target ? 0 : options->target.n; }

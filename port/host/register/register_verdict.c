@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "model/model_from_files.h"
 #include "register/register_job.h"
 
 #define SCALE_MOST 2.0     /* people's bones differ less in size, either way */

@@ -5,8 +5,6 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "base/byte_buffer.h"
-
 static void put_text(host_json *json, const char *text)
 {
     host_buffer_add(json->out, "\"", 1);

@@ -3,7 +3,6 @@
 #ifndef JSON_WRITE_H
 #define JSON_WRITE_H
 
-#include "base/byte_buffer.h"
 #include "measure/surface_distances.h"
 
 typedef struct host_json {

@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/json_write.h"
-
 const char *host_warp_name(uint32_t kind)
 {
     static const char *const names[] = {"spline", "similarity", "rigid", "translation"}; /* [SMR_WARP_...] */

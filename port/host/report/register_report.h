@@ -4,7 +4,6 @@
 #define REGISTER_REPORT_H
 
 #include "files/output_files.h"
-#include "options/options.h"
 #include "register/register_job.h"
 #include "report/json_write.h"
 

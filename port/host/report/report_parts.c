@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "files/file_read.h"
 #include "report/register_report.h"
 
 void host_report_command(const host_options *options, host_json *json)

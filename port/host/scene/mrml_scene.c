@@ -5,10 +5,8 @@
 
 #include <stdlib.h>
 
-#include "base/byte_buffer.h"
 #include "carry/carry_volume.h"
 #include "files/file_names.h"
-#include "volumes/voxel_volume.h"
 
 #define FIELD_ID "vtkMRMLGridTransformNode1"
 

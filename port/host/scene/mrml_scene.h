@@ -4,7 +4,6 @@
 #ifndef MRML_SCENE_H
 #define MRML_SCENE_H
 
-#include "base/byte_buffer.h"
 #include "carry/carry_result.h"
 #include "files/output_files.h"
 #include "register/register_job.h"

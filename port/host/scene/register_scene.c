@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "files/file_names.h"
-#include "landmarks/landmarks.h"
 #include "scene/mrml_scene.h"
 
 #define FIELD_NAME "field.nrrd"

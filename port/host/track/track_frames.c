@@ -11,7 +11,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/system.h"
 #include "files/file_names.h"
 #include "measure/surface_distances.h"
 #include "volumes/voxel_volume.h"

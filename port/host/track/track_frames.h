@@ -6,7 +6,6 @@
 #include "base/system.h"
 #include "files/output_files.h"
 #include "landmarks/landmarks.h"
-#include "meshes/triangle_mesh.h"
 #include "model/model_from_files.h"
 
 #define HOST_NO_PART 0xfffffffeu

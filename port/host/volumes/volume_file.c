@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "files/file_names.h"
-#include "smr.h"
 #include "volumes/volume_reader.h"
 
 /* Unit axes with a smaller determinant count as coplanar. */

@@ -3,10 +3,8 @@
  * TransformMatrix lists the direction of the first axis first. Offset is the centre of the first voxel. Both are LPS.
  * AnatomicalOrientation is ignored. ElementSize is the spacing where there is no ElementSpacing, as in ITK and VTK.
  * SPDX-License-Identifier: MIT */
-#include <stddef.h>
 #include <string.h>
 
-#include "smr.h"
 #include "volumes/volume_reader.h"
 
 typedef struct meta_header {

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "smr.h"
 #include "volumes/volume_reader.h"
 
 enum {

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
-#include "smr.h"
 #include "volumes/volume_reader.h"
 
 enum { SPACE_NONE = 0, SPACE_LPS, SPACE_RAS, SPACE_LAS };

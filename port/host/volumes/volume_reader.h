@@ -3,11 +3,6 @@
 #ifndef VOLUME_READER_H
 #define VOLUME_READER_H
 
-#include <stddef.h>
-#include <stdint.h>
-
-#include "base/byte_buffer.h"
-#include "base/text_scan.h"
 #include "files/file_read.h"
 #include "volumes/voxel_volume.h"
 

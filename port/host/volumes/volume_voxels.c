@@ -9,7 +9,6 @@
 
 #include "base/system.h"
 #include "volumes/volume_reader.h"
-#include "volumes/voxel_volume.h"
 
 /* The best compression by deflate: the longest copy takes at least two bits. */
 #define PACKED_BEST 1032u

@@ -6,9 +6,6 @@
 #ifndef VOXEL_VOLUME_H
 #define VOXEL_VOLUME_H
 
-#include <stddef.h>
-#include <stdint.h>
-
 #include "base/byte_buffer.h"
 #include "base/text_scan.h"
 #include "smr.h"
