@@ -114,10 +114,7 @@ host_word host_word_trimmed(const char *start, const char *end)
     return word;
 }
 
-int host_word_is(host_word word, const char *name)
-{
-    return word.n == strlen(name) && memcmp(word.start, name, word.n) == 0;
-}
+int host_word_is(host_word w, const char *name) { return w.n == strlen(name) && memcmp(w.start, name, w.n) == 0; }
 
 static char lower(char c) { return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c; }
 

@@ -54,7 +54,7 @@ int host_text_line(host_text *text, host_word *line);
 host_word host_word_trimmed(const char *start, const char *end);
 
 /* Compare, with and without regard to case. */
-int host_word_is(host_word word, const char *name);
+int host_word_is(host_word w, const char *name);
 int host_word_is_nocase(host_word word, const char *name);
 
 /* 1 when the word contains the text. */

@@ -102,12 +102,11 @@ static int write_csv(const figure1 *f, const char *directory, host_error *error)
     host_buffer_print(
         &csv, "method,reference,radius_mm,iteration,time_ms,hausdorff_mm,mean_to_mm,mean_from_mm,reference_updates\n");
     for (uint32_t i = 0; i < METHODS * KINDS * RADII; i++) {
-        const uint32_t method = i / (KINDS * RADII), kind = i / RADII % KINDS, r = i % RADII;
-        const run *const one = &f->of[method][kind][r];
+        const uint32_t m = i / (KINDS * RADII), k = i / RADII % KINDS, r = i % RADII;
+        const run *const one = &f->of[m][k][r];
         for (uint32_t p = 0; p < POINTS; p++)
-            host_buffer_print(&csv, "%s,%s,%g,%u,%.4f,%.5f,%.5f,%.5f,%u\n", methods[method], kinds[kind],
-                              (double)radii_mm[r], measured_at[p], one->ms[p], one->hausdorff[p], one->to[p],
-                              one->from[p], one->updates[p]);
+            host_buffer_print(&csv, "%s,%s,%g,%u,%.4f,%.5f,%.5f,%.5f,%u\n", methods[m], kinds[k], (double)radii_mm[r],
+                              measured_at[p], one->ms[p], one->hausdorff[p], one->to[p], one->from[p], one->updates[p]);
     }
     return host_output_file(directory, "figure1.csv", &csv, 0, error);
 }

@@ -8,12 +8,6 @@
 #include <string.h>
 #include <time.h>
 
-static int refuse(host_error *error, const char *place, smr_status status)
-{
-    return host_fail_of(error, "bench", place, "input and options within the library's limits (%s)",
-                        smr_status_name(status));
-}
-
 /* Moves the surfaces of a part of the thigh into the job, as structure i. The thigh keeps its images and landmarks. */
 static void take_structure(host_bench *bench, uint32_t part, uint32_t i)
 {
@@ -58,18 +52,18 @@ static int take_thigh(host_bench *bench, host_error *error)
     return host_job_place_pairs(job, from[0], to[0], error);
 }
 
-int host_bench_load(host_bench *bench, const host_options *options, host_error *error)
+int host_bench_load(host_bench *bench, const host_options *asked, host_error *error)
 {
     memset(bench, 0, sizeof *bench);
-    bench->given = options;
-    bench->options = *options;
+    bench->given = asked;
+    bench->options = *asked;
     bench->options.quiet = 1;
-    if (options->figure1 && options->model.n == 0) /* a spline would leave little to do */
+    if (asked->figure1 && asked->model.n == 0) /* a spline would leave little to do */
         bench->options.align = HOST_ALIGN_SIMILARITY;
     bench->job.options = &bench->options;
-    if (host_port_open(&bench->job.port, options->threads, error) != 0)
+    if (host_port_open(&bench->job.port, asked->threads, error) != 0)
         return -1;
-    if (options->model.n > 0) /* surfaces: the benchmarks prepare them anew, a .smr is refused */
+    if (asked->model.n > 0) /* surfaces: the benchmarks prepare them anew, a .smr is refused */
         return host_job_load(&bench->job, error) != 0 || host_job_match(&bench->job, error) != 0
                    ? -1
                    : host_job_start(&bench->job, error);
@@ -77,8 +71,7 @@ int host_bench_load(host_bench *bench, const host_options *options, host_error *
     bench->thigh = calloc(1, sizeof *bench->thigh);
     if (bench->thigh == NULL)
         return host_fail(error, "start", "free memory");
-    if (host_thigh_make(bench->thigh, &bench->job.port.port, options->seed, options->small, !options->figure1, error) !=
-        0)
+    if (host_thigh_make(bench->thigh, &bench->job.port.port, asked->seed, asked->small, !asked->figure1, error) != 0)
         return -1;
     return take_thigh(bench, error);
 }
@@ -134,7 +127,10 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
     for (uint32_t i = 0; !image && status == SMR_OK && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
-    return status == SMR_OK ? 0 : refuse(error, "set up", status);
+    return status == SMR_OK
+               ? 0
+               : host_fail_of(error, "bench", "set up", "input and options within the library's limits (%s)",
+                              smr_status_name(status));
 }
 
 /* Frees what the last registration left in the job. */

@@ -31,7 +31,7 @@ void host_carry_write(const host_carry_shape *shape, host_buffer *out)
 {
     const uint32_t header[] = {MAGIC, VERSION, 0, shape->n_vertices, shape->n_structures, (uint32_t)(shape->mirror + 1),
                                0,     0};
-    const size_t start = out->size;
+    const size_t from = out->size;
     for (size_t i = 0; i < sizeof header / sizeof header[0]; i++)
         host_buffer_u32(out, header[i]);
     for (size_t i = 0; i < shape->n_structures; i++) {
@@ -45,24 +45,20 @@ void host_carry_write(const host_carry_shape *shape, host_buffer *out)
     for (size_t i = 0; i < 2u * (size_t)shape->n_vertices; i++)
         host_buffer_f32(out, shape->error[i]);
     if (!out->failed)
-        put_u32(out->data + start + 8,
-                host_crc32_of(out->data + start + CHECKED_FROM, out->size - start - CHECKED_FROM));
+        put_u32(out->data + from + 8, host_crc32_of(out->data + from + CHECKED_FROM, out->size - from - CHECKED_FROM));
 }
 
-int host_carry_allocate(host_carry_shape *shape)
+int host_carry_allocate(host_carry_shape *s)
 {
-    const size_t bytes = 3u * sizeof(float) * shape->n_vertices;
-    shape->name = calloc(shape->n_structures, sizeof *shape->name);
-    shape->count = calloc(shape->n_structures, sizeof *shape->count);
-    shape->rest = malloc(bytes);
-    shape->now = malloc(bytes);
-    shape->error = malloc(bytes);
-    for (size_t i = 0; shape->error != NULL && i < 2u * (size_t)shape->n_vertices; i++)
-        shape->error[i] = -1.0f;
-    return shape->name != NULL && shape->count != NULL && shape->rest != NULL && shape->now != NULL &&
-                   shape->error != NULL
-               ? 0
-               : -1;
+    const size_t bytes = 3u * sizeof(float) * s->n_vertices;
+    s->name = calloc(s->n_structures, sizeof *s->name);
+    s->count = calloc(s->n_structures, sizeof *s->count);
+    s->rest = malloc(bytes);
+    s->now = malloc(bytes);
+    s->error = malloc(bytes);
+    for (size_t i = 0; s->error != NULL && i < 2u * (size_t)s->n_vertices; i++)
+        s->error[i] = -1.0f;
+    return s->name != NULL && s->count != NULL && s->rest != NULL && s->now != NULL && s->error != NULL ? 0 : -1;
 }
 
 /* What the counts say that the file has, or 0 for counts that no result has. */
@@ -97,33 +93,31 @@ static int take_floats(const unsigned char *at, size_t n, float *to, host_error 
     return 0;
 }
 
-static int parse(host_carry_shape *shape, const unsigned char *data, size_t size, host_error *error)
+static int parse(host_carry_shape *s, const unsigned char *at, size_t size, host_error *error)
 {
-    if (size < HEADER_BYTES || u32_at(data) != MAGIC)
+    if (size < HEADER_BYTES || u32_at(at) != MAGIC)
         return host_fail(error, "content", "what smr register leaves in a result's directory as " HOST_CARRY_NAME);
-    const uint32_t version = u32_at(data + 4);
+    const uint32_t version = u32_at(at + 4);
     if (version != VERSION && version != 1u)
         return host_fail(error, "version", "%u, found %u: register again", VERSION, version);
-    shape->n_vertices = u32_at(data + 12);
-    shape->n_structures = u32_at(data + 16);
-    if (bytes_of(version, shape->n_vertices, shape->n_structures) != size)
+    s->n_vertices = u32_at(at + 12);
+    s->n_structures = u32_at(at + 16);
+    if (bytes_of(version, s->n_vertices, s->n_structures) != size)
         return host_fail(error, "size", "the bytes that its counts say: it is cut off or damaged");
-    if (u32_at(data + 8) != host_crc32_of(data + CHECKED_FROM, size - CHECKED_FROM))
+    if (u32_at(at + 8) != host_crc32_of(at + CHECKED_FROM, size - CHECKED_FROM))
         return host_fail(error, "checksum", "that of its bytes: it is damaged");
-    if (u32_at(data + 20) > 3u || u32_at(data + 24) != 0u || u32_at(data + 28) != 0u)
+    if (u32_at(at + 20) > 3u || u32_at(at + 24) != 0u || u32_at(at + 28) != 0u)
         return host_fail(error, "header", "a coordinate 0 to 3 and zeros");
-    shape->mirror = (int)u32_at(data + 20) - 1;
-    const size_t words = 3u * (size_t)shape->n_vertices;
-    if (host_carry_allocate(shape) != 0)
+    s->mirror = (int)u32_at(at + 20) - 1;
+    const size_t words = 3u * (size_t)s->n_vertices;
+    if (host_carry_allocate(s) != 0)
         return host_fail(error, "start", "free memory");
-    data += HEADER_BYTES;
-    if (take_names(shape, data, error) != 0)
+    at += HEADER_BYTES;
+    if (take_names(s, at, error) != 0)
         return -1;
-    data += (size_t)RECORD_BYTES * shape->n_structures;
-    return take_floats(data, words, shape->rest, error) != 0 ||
-                   take_floats(data + 4u * words, words, shape->now, error) != 0 ||
-                   (version > 1u &&
-                    take_floats(data + 8u * words, 2u * (size_t)shape->n_vertices, shape->error, error) != 0)
+    at += (size_t)RECORD_BYTES * s->n_structures;
+    return take_floats(at, words, s->rest, error) != 0 || take_floats(at + 4u * words, words, s->now, error) != 0 ||
+                   (version > 1u && take_floats(at + 8u * words, 2u * (size_t)s->n_vertices, s->error, error) != 0)
                ? -1
                : 0;
 }

@@ -82,14 +82,13 @@ static double fit_knot(const knot *at, float *field)
 {
     double miss2 = 0.0;
     for (uint32_t k = 0; k < 3; k++) {
-        double miss = at->wanted[k];
+        double off = at->wanted[k];
         for (uint32_t corner = 0; corner < 8u; corner++)
-            miss -= at->weight[corner] * (double)field[3u * at->at[corner] + k];
-        miss2 += miss * miss;
-        miss /= at->sum2;
+            off -= at->weight[corner] * (double)field[3u * at->at[corner] + k];
+        miss2 += off * off;
+        off /= at->sum2;
         for (uint32_t corner = 0; corner < 8u; corner++)
-            field[3u * at->at[corner] + k] =
-                (float)((double)field[3u * at->at[corner] + k] + at->weight[corner] * miss);
+            field[3u * at->at[corner] + k] = (float)((double)field[3u * at->at[corner] + k] + at->weight[corner] * off);
     }
     return miss2;
 }
@@ -161,13 +160,12 @@ static int cell_folds(const host_volume *grid, const float *field, double sign, 
 uint64_t host_field_folds(const host_volume *grid, const float *field, int mirrors)
 {
     const size_t stride[3] = {1, grid->size[0], (size_t)grid->size[0] * grid->size[1]};
-    uint64_t folds = 0;
+    uint64_t n = 0;
     for (uint32_t z = 0; z + 1u < grid->size[2]; z++)
         for (uint32_t y = 0; y + 1u < grid->size[1]; y++)
             for (uint32_t x = 0; x + 1u < grid->size[0]; x++)
-                folds +=
-                    (uint64_t)cell_folds(grid, field, mirrors ? -1.0 : 1.0, x + y * stride[1] + z * stride[2], stride);
-    return folds;
+                n += (uint64_t)cell_folds(grid, field, mirrors ? -1.0 : 1.0, x + y * stride[1] + z * stride[2], stride);
+    return n;
 }
 
 void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,

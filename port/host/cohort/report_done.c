@@ -96,9 +96,8 @@ static int compare_word(host_scan *scan, void *context)
         c->skip = idle;
         return 0;
     }
-    const char *now = next_argument(c);
-    return now != NULL && strcmp(now, c->path) == 0 ? 0
-                                                    : differs(c, "another command, from", now != NULL ? now : c->path);
+    const char *it = next_argument(c);
+    return it != NULL && strcmp(it, c->path) == 0 ? 0 : differs(c, "another command, from", it != NULL ? it : c->path);
 }
 
 static int compare_command(host_scan *scan, done_check *c)

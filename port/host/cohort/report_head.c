@@ -35,13 +35,12 @@ int host_report_there(const char *path)
     return lstat(path, &st) == 0;
 }
 
-static int is_object(const host_head *head, host_error *error)
+static int is_object(const host_head *h, host_error *error)
 {
     size_t i = 0;
-    while (i < head->n &&
-           (head->data[i] == ' ' || head->data[i] == '\n' || head->data[i] == '\r' || head->data[i] == '\t'))
+    while (i < h->n && (h->data[i] == ' ' || h->data[i] == '\n' || h->data[i] == '\r' || h->data[i] == '\t'))
         i++;
-    return i < head->n && head->data[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
+    return i < h->n && h->data[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
 }
 
 int host_report_bytes(const char *path, host_bytes *bytes, host_error *error)

@@ -69,20 +69,19 @@ static char *copy_path(const char *path)
 static int read_case(host_case *c)
 {
     char *const path = host_report_beside(c->path, HOST_REPORT_NAME);
-    host_bytes bytes = {NULL, 0};
+    host_bytes file = {NULL, 0};
     host_error error = {0};
     if (path == NULL)
         return -1;
     c->state = HOST_CASE_READ;
-    if (host_report_bytes(path, &bytes, &error) != 0 ||
-        host_report_parse(bytes.data, bytes.size, &c->head, &error) != 0) {
+    if (host_report_bytes(path, &file, &error) != 0 || host_report_parse(file.data, file.size, &c->head, &error) != 0) {
         c->state = host_report_there(path) ? HOST_CASE_UNREADABLE : HOST_CASE_MISSING;
         if (c->state == HOST_CASE_MISSING)
             (void)snprintf(c->why, sizeof c->why, "no " HOST_REPORT_NAME);
         else
             (void)snprintf(c->why, sizeof c->why, "%s: expected %s", error.place, error.expected);
     }
-    host_file_free(&bytes);
+    host_file_free(&file);
     free(path);
     return 0;
 }

@@ -94,27 +94,26 @@ static int write_model(const host_model *model, const host_options *options, hos
     return host_output_end(output, result, error);
 }
 
-int host_build(const host_options *options, host_error *error)
+int host_build(const host_options *given, host_error *error)
 {
     host_port port = {0};
     host_model model = {0};
     int result = HOST_REFUSED;
     error->file = "--c-array";
-    if (options->c_array != NULL && !is_identifier(options->c_array)) {
-        (void)host_fail(error, options->c_array, "a C identifier");
+    if (given->c_array != NULL && !is_identifier(given->c_array)) {
+        (void)host_fail(error, given->c_array, "a C identifier");
         return HOST_REFUSED;
     }
-    if (options->c_array == NULL && is_source(options->out)) {
-        (void)host_fail(error, "value", "a name for the array, for %s is C source", options->out);
+    if (given->c_array == NULL && is_source(given->out)) {
+        (void)host_fail(error, "value", "a name for the array, for %s is C source", given->out);
         return HOST_REFUSED;
     }
-    if (host_port_open(&port, 0, error) == 0 &&
-        host_model_load(&options->model, options, &port.port, &model, error) == 0 &&
-        write_model(&model, options, error) == 0) {
+    if (host_port_open(&port, 0, error) == 0 && host_model_load(&given->model, given, &port.port, &model, error) == 0 &&
+        write_model(&model, given, error) == 0) {
         result = HOST_DONE;
-        host_warn_small(options->model.path[0], &model);
-        if (!options->quiet)
-            (void)printf("%s: %u structures, %u vertices, %u radii, %zu bytes, prepared in %.3f s\n", options->out,
+        host_warn_small(given->model.path[0], &model);
+        if (!given->quiet)
+            (void)printf("%s: %u structures, %u vertices, %u radii, %zu bytes, prepared in %.3f s\n", given->out,
                          model.info.n_structures, model.info.n_vertices, model.info.n_radii, model.prepared_bytes,
                          model.prepare_s);
     }

@@ -13,6 +13,15 @@
 #define ERRORS_MAX 100u /* points whose expected errors are printed */
 #define NAMED_MAX 5u    /* points that were not found are named up to here */
 
+/* Closes the result. The error's name goes with the map: the result's directory takes its place. */
+static int finish(host_carried *c, const host_options *options, int result, host_error *error)
+{
+    if (result == HOST_REFUSED && error->file == c->path)
+        error->file = options->result;
+    host_carried_close(c);
+    return result;
+}
+
 static int write_points(const host_points *points, const char *path, host_error *error)
 {
     host_buffer buffer = {0};
@@ -100,11 +109,8 @@ int host_carry(const host_options *options, host_error *error)
         host_points_fit(&points, options->out, error) == 0 &&
         host_carried_open(&c, options->result, options->threads, error) == 0)
         result = carry_points(&c, &points, options, error);
-    if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
-        error->file = options->result;
     host_points_free(&points);
-    host_carried_close(&c);
-    return result;
+    return finish(&c, options, result, error);
 }
 
 #define FIELD_MARGIN_MM 20.0f
@@ -184,11 +190,8 @@ int host_field(const host_options *options, host_error *error)
         tell(options, &grid, &facts);
         result = HOST_DONE;
     }
-    if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
-        error->file = options->result;
     host_volume_free(&grid);
-    host_carried_close(&c);
-    return result;
+    return finish(&c, options, result, error);
 }
 
 static int write_volume(const host_volume *volume, const char *path, host_error *error)
@@ -200,16 +203,14 @@ static int write_volume(const host_volume *volume, const char *path, host_error 
     return host_output_file(NULL, path, &buffer, 0, error);
 }
 
-static int warp(host_carried *c, const host_options *options, const host_volume *image, host_volume *out,
-                host_error *error)
+static int warp(host_carried *c, const host_options *options, const host_volume *v, host_volume *out, host_error *error)
 {
     const float s = options->spacing, given[3] = {s, s, s};
-    if (choose_grid(c, options, WARP_MARGIN_MM, s > 0.0f ? given : image->spacing,
-                    s > 0.0f ? "--spacing" : options->volume,
+    if (choose_grid(c, options, WARP_MARGIN_MM, s > 0.0f ? given : v->spacing, s > 0.0f ? "--spacing" : options->volume,
                     "a spacing that gives at most 200 million voxels: --spacing MM", out, error) != 0)
         return -1;
     error->file = options->out;
-    int64_t missed = host_carried_volume(c, image, out, error);
+    int64_t missed = host_carried_volume(c, v, out, error);
     if (missed < 0 || write_volume(out, options->out, error) != 0)
         return -1;
     if (missed > 0)
@@ -231,10 +232,7 @@ int host_warp(const host_options *options, host_error *error)
         host_carried_open(&c, options->result, options->threads, error) == 0 &&
         host_volume_read(options->volume, &image, error) == 0 && warp(&c, options, &image, &out, error) == 0)
         result = HOST_DONE;
-    if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
-        error->file = options->result;
     host_volume_free(&image);
     host_volume_free(&out);
-    host_carried_close(&c);
-    return result;
+    return finish(&c, options, result, error);
 }

@@ -45,16 +45,15 @@ static int check_directory(const host_label_map *map, const char *path, host_err
 {
     DIR *const directory = opendir(path);
     const struct dirent *entry = NULL;
-    char found[256] = ""; /* the first one by name */
+    char name[256] = ""; /* the first one by name */
     if (directory == NULL)
         return 0; /* it is still to be made */
     while ((entry = readdir(directory)) != NULL)
-        if (is_stranger(map, entry->d_name) && (found[0] == '\0' || strcmp(entry->d_name, found) < 0))
-            (void)snprintf(found, sizeof found, "%.255s", entry->d_name);
+        if (is_stranger(map, entry->d_name) && (name[0] == '\0' || strcmp(entry->d_name, name) < 0))
+            (void)snprintf(name, sizeof name, "%.255s", entry->d_name);
     (void)closedir(directory);
     error->file = path;
-    return found[0] == '\0' ? 0
-                            : host_fail(error, "surfaces", "a directory without other surfaces, found %.180s", found);
+    return name[0] == '\0' ? 0 : host_fail(error, "surfaces", "a directory without other surfaces, found %.180s", name);
 }
 
 /* Values that differ: those of layers need not. */
@@ -94,26 +93,24 @@ static int write_surfaces(const host_label_map *map, const host_label_surface *s
 static void tell(const host_options *options, const host_label_map *map, const host_label_surface *surface)
 {
     for (uint32_t i = 0; i < map->n_labels; i++) {
-        const host_label *const label = &map->label[i];
+        const host_label *const of = &map->label[i];
         const host_label_surface *const s = &surface[i];
         (void)printf("label %5u  %-32s voxels %9" PRIu64 "  %12.1f mm3  surface %12.1f mm3  triangles %7u  folds %u\n",
-                     label->value, label->name, label->voxels, s->voxel_volume, s->volume, s->mesh.n_triangles,
-                     s->folds);
+                     of->value, of->name, of->voxels, s->voxel_volume, s->volume, s->mesh.n_triangles, s->folds);
     }
     (void)printf("%s: %u surfaces\n", options->out, map->n_labels);
 }
 
 int host_surfaces(const host_options *options, host_error *error)
 {
-    const char *const path = options->operands.path[0];
+    const char *const in = options->operands.path[0];
     host_label_map map = {0};
     host_label_surface *surface = NULL;
     host_port port = {0};
     int result = HOST_REFUSED;
     if (host_output_check(options->out, error) == 0 && host_port_open(&port, options->threads, error) == 0 &&
-        host_label_map_read(path, options->names, &map, error) == 0 &&
-        check_directory(&map, options->out, error) == 0) {
-        error->file = path;
+        host_label_map_read(in, options->names, &map, error) == 0 && check_directory(&map, options->out, error) == 0) {
+        error->file = in;
         surface = calloc(map.n_labels, sizeof *surface);
         if (surface == NULL)
             (void)host_fail(error, "labels", "free memory");

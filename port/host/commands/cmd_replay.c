@@ -25,18 +25,17 @@ typedef struct replayed {
 /* Checks every record of the log and counts them. */
 static int count_ticks(replayed *r, host_error *error)
 {
-    smr_log_reader reader;
+    smr_log_reader from;
     smr_log_record record;
     smr_log_info info;
-    smr_status status = smr_log_open(r->log.log, r->log.log_bytes, &reader, &info);
+    smr_status status = smr_log_open(r->log.log, r->log.log_bytes, &from, &info);
     error->file = r->path;
     if (status != SMR_OK)
         return host_fail(error, "log", "a log of this version (%s)", smr_status_name(status));
     do {
-        status = smr_log_next(&reader, &record);
+        status = smr_log_next(&from, &record);
         if (status != SMR_OK)
-            return host_fail_at(error, "log, byte", reader.at, "a whole, undamaged record (%s)",
-                                smr_status_name(status));
+            return host_fail_at(error, "log, byte", from.at, "a whole, undamaged record (%s)", smr_status_name(status));
         if (record.kind != SMR_LOG_TICK)
             continue;
         r->counts.ticks++;

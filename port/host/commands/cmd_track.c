@@ -191,10 +191,9 @@ static int add_carry(tracked *t, const host_frame *frame, host_output *output, h
 }
 
 /* Keeps the frame for the page. loads: its meshes; NULL: those of the first frame, none of an image. */
-static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const host_frame_report *r,
-                      host_error *error)
+static int keep_frame(tracked *t, uint32_t index, const host_load *loads, const host_frame_report *r, host_error *error)
 {
-    const uint32_t n = t->frames.frame[number].files.n;
+    const uint32_t n = t->frames.frame[index].files.n;
     if (t->page == NULL)
         return 0;
     const int result = host_track_page_add(t->page, r);
@@ -233,25 +232,24 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
 static int follow_surfaces(tracked *t, uint32_t number, host_frame_report *report, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
-    host_load *loads = NULL;
-    void **const memory = calloc(frame->files.n, sizeof *memory);
+    host_load *load = NULL;
+    void **const kept = calloc(frame->files.n, sizeof *kept);
     smr_status status = SMR_OK;
-    int result = memory == NULL ? host_fail(error, "frame", "free memory") : 0;
+    int result = kept == NULL ? host_fail(error, "frame", "free memory") : 0;
     (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
     if (result == 0)
-        result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &loads, error);
+        result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &load, error);
     for (uint32_t i = 0; result == 0 && i < frame->files.n && status == SMR_OK; i++)
-        status =
-            host_frame_set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
+        status = host_frame_set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &load[i].mesh, &kept[i]);
     if (result == 0)
         result = follow(t, frame, status, report, error);
     if (result == 0)
-        result = keep_frame(t, number, loads, report, error);
+        result = keep_frame(t, number, load, report, error);
     (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
-    host_frame_unload(frame, loads);
-    for (uint32_t i = 0; memory != NULL && i < frame->files.n; i++)
-        free(memory[i]);
-    free(memory);
+    host_frame_unload(frame, load);
+    for (uint32_t i = 0; kept != NULL && i < frame->files.n; i++)
+        free(kept[i]);
+    free(kept);
     return result;
 }
 

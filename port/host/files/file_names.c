@@ -31,10 +31,7 @@ int host_is_packed_name(const char *path) { return ends_with(path, strlen(path),
 /* Length of the path without ".gz". */
 static size_t unpacked_length(const char *path) { return strlen(path) - (host_is_packed_name(path) ? 3u : 0u); }
 
-int host_has_extension(const char *path, const char *extension)
-{
-    return ends_with(path, unpacked_length(path), extension);
-}
+int host_has_extension(const char *path, const char *end) { return ends_with(path, unpacked_length(path), end); }
 
 size_t host_base_name(const char *path, char *name, size_t bytes)
 {

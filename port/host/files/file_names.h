@@ -31,14 +31,7 @@ void host_path_to_parent(char *path);
  * cannot be found, or out of memory. */
 char *host_relative_path(const char *from, const char *file);
 
-enum {
-    HOST_KIND_UNKNOWN = 0,
-    HOST_KIND_SURFACE,
-    HOST_KIND_VOLUME,
-    HOST_KIND_LANDMARKS,
-    HOST_KIND_MODEL,
-    HOST_KIND_DICOM
-};
+enum { HOST_KIND_UNKNOWN, HOST_KIND_SURFACE, HOST_KIND_VOLUME, HOST_KIND_LANDMARKS, HOST_KIND_MODEL, HOST_KIND_DICOM };
 
 /* The kind of the file at the path, HOST_KIND_...; UNKNOWN when it cannot be read. */
 int host_file_kind(const char *path);

@@ -38,13 +38,12 @@ struct host_output {
     size_t n;
 };
 
-static char *join(const char *directory, const char *name, const char *tail)
+static char *join(const char *dir, const char *name, const char *tail)
 {
-    const size_t n = (directory != NULL ? strlen(directory) : 0) + strlen(name) + strlen(tail) + 3u;
+    const size_t n = (dir != NULL ? strlen(dir) : 0) + strlen(name) + strlen(tail) + 3u;
     char *const path = malloc(n);
     if (path != NULL)
-        (void)snprintf(path, n, "%s%s%s%s", directory != NULL ? directory : "", directory != NULL ? "/" : "", name,
-                       tail);
+        (void)snprintf(path, n, "%s%s%s%s", dir != NULL ? dir : "", dir != NULL ? "/" : "", name, tail);
     return path;
 }
 
@@ -239,21 +238,20 @@ static output_file *prepare_file(host_output *output, const char *directory, con
     return file;
 }
 
-static int add(host_output *output, const char *directory, const char *name, const host_buffer *content,
-               host_error *error)
+static int add(host_output *output, const char *directory, const char *name, const host_buffer *data, host_error *error)
 {
     host_stop_set before;
     error->file = directory != NULL ? directory : name;
-    if (content->failed)
+    if (data->failed)
         return host_fail(error, "output", "free memory");
     host_stop_block(&before);
     output_file *file = prepare_file(output, directory, name, error);
     host_stop_restore(&before);
     if (file == NULL)
         return -1;
-    file->bytes = content->size;
-    file->crc32 = host_crc32_of(content->data, content->size);
-    return write_file(file, content, error);
+    file->bytes = data->size;
+    file->crc32 = host_crc32_of(data->data, data->size);
+    return write_file(file, data, error);
 }
 
 size_t host_output_count(const host_output *output) { return output->n; }
@@ -265,10 +263,9 @@ host_output_fact host_output_fact_of(const host_output *output, size_t i)
     return fact;
 }
 
-int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error)
+int host_output_add(host_output *set, const char *name, const host_buffer *content, host_error *error)
 {
-    return output == NULL ? host_fail(error, "output", "free memory")
-                          : add(output, output->directory, name, content, error);
+    return set == NULL ? host_fail(error, "output", "free memory") : add(set, set->directory, name, content, error);
 }
 
 int host_output_take(host_output *output, const char *name, host_buffer *content, int result, host_error *error)

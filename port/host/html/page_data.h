@@ -40,8 +40,7 @@ typedef struct host_page_image {
 
 /* Cuts out what lies within margin_mm of the box, in at most so many voxels. 0, or -1 when out of memory. Where box
  * and image do not meet it is empty: at is NULL. */
-int host_page_image_make(const host_volume *image, const host_box *box, float margin_mm, size_t most,
-                         host_page_image *out);
+int host_page_image_make(const host_volume *v, const host_box *box, float margin_mm, size_t most, host_page_image *out);
 
 /* Adds n bytes as a text of base64. */
 void host_page_bytes(host_json *json, const char *key, const void *bytes, size_t n);

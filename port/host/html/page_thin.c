@@ -252,18 +252,17 @@ static void keep_first(const host_mesh *mesh, const uint32_t *to, uint32_t *numb
 int host_page_thin(const host_mesh *mesh, float cell_mm, host_page_mesh *out)
 {
     const size_t n = (size_t)mesh->n_vertices + 1u;
-    uint32_t *const to = malloc(n * sizeof *to), *const number = malloc(n * sizeof *number);
+    uint32_t *const to = malloc(n * sizeof *to), *const at = malloc(n * sizeof *at);
     int result = -1;
     memset(out, 0, sizeof *out);
     out->keep = malloc(n * sizeof *out->keep);
     out->triangles = malloc((3u * (size_t)mesh->n_triangles + 1u) * sizeof *out->triangles);
-    if (to != NULL && number != NULL && out->keep != NULL && out->triangles != NULL &&
-        find_first(mesh, cell_mm, to) == 0) {
-        keep_first(mesh, to, number, out);
+    if (to != NULL && at != NULL && out->keep != NULL && out->triangles != NULL && find_first(mesh, cell_mm, to) == 0) {
+        keep_first(mesh, to, at, out);
         result = 0;
     }
     free(to);
-    free(number);
+    free(at);
     return result;
 }
 

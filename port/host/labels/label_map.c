@@ -11,11 +11,10 @@
 #include "files/file_names.h"
 #include "files/gzip_write.h"
 
-static int refuse_value(const host_volume *v, size_t i, uint32_t layers, host_error *error)
+static int refuse_value(const host_volume *v, size_t i, uint32_t n, host_error *error)
 {
     const double value = host_voxel(v->voxels, v->type, i);
-    const size_t at = i / layers, x = at % v->size[0], y = at / v->size[0] % v->size[1],
-                 z = at / v->size[0] / v->size[1];
+    const size_t at = i / n, x = at % v->size[0], y = at / v->size[0] % v->size[1], z = at / v->size[0] / v->size[1];
     char place[64];
     (void)snprintf(place, sizeof place, "voxel %zu %zu %zu", x, y, z);
     return host_fail(error, place, "a label, a whole number from 0 to %u, found %g: is it an image?", HOST_LABEL_MAX,

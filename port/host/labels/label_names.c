@@ -43,11 +43,10 @@ void host_label_colour(uint32_t i, float colour[3])
 /* Three numbers of 0 to most. */
 static int read_colour(host_text words, double most, float colour[3])
 {
-    host_word word;
+    host_word one;
     double value = 0.0;
     for (int k = 0; k < 3; k++) {
-        if (!host_text_word_in_line(&words, &word) || !host_word_double(word, &value) ||
-            !(value >= 0.0 && value <= most))
+        if (!host_text_word_in_line(&words, &one) || !host_word_double(one, &value) || !(value >= 0.0 && value <= most))
             return -1;
         colour[k] = (float)(value / most);
     }
@@ -102,16 +101,15 @@ static int take_segment(host_label_map *map, const segment *s, uint32_t i, host_
         return host_fail(error, place, "a Layer of 0 to %u", map->n_layers - 1u);
     if (s->value < 0 || s->value > (int64_t)HOST_LABEL_MAX)
         return host_fail(error, place, "a LabelValue of 0 to %u", HOST_LABEL_MAX);
-    host_label *label = label_at(map, layer, s->value);
-    if (label == NULL)
+    host_label *of = label_at(map, layer, s->value);
+    if (of == NULL)
         return 0;
-    if (label->name[0] != '\0')
-        return host_fail(error, place, "a label of its own, %u of layer %u is another segment's", label->value,
-                         label->layer);
-    if (host_label_name(name.start, name.n, label->name) != 0)
+    if (of->name[0] != '\0')
+        return host_fail(error, place, "a label of its own, %u of layer %u is another segment's", of->value, of->layer);
+    if (host_label_name(name.start, name.n, of->name) != 0)
         return host_fail(error, place, "a Name of at most %u bytes", SMR_NAME_BYTES - 1u);
-    label->coloured = s->colour.n > 0;
-    if (label->coloured && read_colour(host_text_over(s->colour.start, s->colour.n), 1.0, label->colour) != 0)
+    of->coloured = s->colour.n > 0;
+    if (of->coloured && read_colour(host_text_over(s->colour.start, s->colour.n), 1.0, of->colour) != 0)
         return host_fail(error, place, "a Color of three numbers from 0 to 1");
     return 0;
 }

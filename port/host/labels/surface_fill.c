@@ -104,7 +104,7 @@ static int side_of(const int64_t *a, const int64_t *b, int64_t area)
 /* Marks the first voxel behind a triangle on the ray (y, z), when the ray meets it. */
 static void mark_ray(const filler *f, const int64_t *const p[3], int64_t y, int64_t z)
 {
-    host_filled *const filled = f->filled;
+    host_filled *const in = f->filled;
     const int64_t ry = y * ((int64_t)1 << f->shift), rz = z * ((int64_t)1 << f->shift);
     int64_t area[3];
     int side[3];
@@ -120,11 +120,10 @@ static void mark_ray(const filler *f, const int64_t *const p[3], int64_t y, int6
         x += (double)area[k] * (double)p[k][0];
         all += (double)area[k];
     }
-    x = ceil(x / all / (double)(1 << f->shift)) - (double)filled->low[0];
-    if (x < (double)filled->size[0]) {
-        const size_t row =
-            (size_t)(z - (int64_t)filled->low[2]) * filled->size[1] + (size_t)(y - (int64_t)filled->low[1]);
-        filled->inside[row * filled->size[0] + (x > 0.0 ? (size_t)x : 0u)] ^= 1u;
+    x = ceil(x / all / (double)(1 << f->shift)) - (double)in->low[0];
+    if (x < (double)in->size[0]) {
+        const size_t row = (size_t)(z - (int64_t)in->low[2]) * in->size[1] + (size_t)(y - (int64_t)in->low[1]);
+        in->inside[row * in->size[0] + (x > 0.0 ? (size_t)x : 0u)] ^= 1u;
     }
 }
 

@@ -30,13 +30,12 @@ static void face_circle(unsigned face, unsigned corner[4], unsigned edge[4])
     edge[3] = 4u * c + s;
 }
 
-static void unite(unsigned char group[HOST_CELL_EDGES], unsigned a, unsigned b)
+static void unite(unsigned char set[HOST_CELL_EDGES], unsigned a, unsigned b)
 {
-    const unsigned char from = group[a] > group[b] ? group[a] : group[b],
-                        to = group[a] > group[b] ? group[b] : group[a];
+    const unsigned char from = set[a] > set[b] ? set[a] : set[b], to = set[a] > set[b] ? set[b] : set[a];
     for (unsigned e = 0; e < HOST_CELL_EDGES; e++)
-        if (group[e] == from)
-            group[e] = to;
+        if (set[e] == from)
+            set[e] = to;
 }
 
 /* Joins the edges that belong together on a face. Returns 1 when its four edges are crossed. */
@@ -201,10 +200,7 @@ static int place_vertices(builder *b)
 }
 
 /* The vertex of a cell through whose loop an edge runs. */
-static uint32_t vertex_at(const builder *b, size_t i, unsigned edge)
-{
-    return b->first_vertex[i] + loops_of(b, i).of[edge];
-}
+static uint32_t vertex_at(const builder *b, size_t i, unsigned e) { return b->first_vertex[i] + loops_of(b, i).of[e]; }
 
 /* The four cells around an edge are those before its cell along the two other axes; at[axis combination] follows them
  * while the cell moves on: the bits of the combination are the axes. */

@@ -46,11 +46,10 @@ typedef struct painter {
 
 static void run_fill(void *arg, uint32_t number, uint32_t worker)
 {
-    fill_task *const task = (fill_task *)arg + number;
+    fill_task *const t = (fill_task *)arg + number;
     (void)worker;
-    task->open = host_open_edges(&task->load->mesh);
-    task->failed =
-        task->open != 0 || host_surface_fill(&task->load->mesh, task->grid, &task->filled, &task->error) != 0;
+    t->open = host_open_edges(&t->load->mesh);
+    t->failed = t->open != 0 || host_surface_fill(&t->load->mesh, t->grid, &t->filled, &t->error) != 0;
 }
 
 static int add_claim(painter *p, size_t voxel, uint32_t surface)
@@ -265,15 +264,14 @@ static int name_surface(const host_surface_set *set, uint32_t i, host_error *err
 }
 
 /* The value that the file of names gives; what it leaves out comes behind the largest one. */
-static int give_value(const host_surface_set *set, uint32_t i, const host_names *names, uint32_t *most,
-                      host_error *error)
+static int give_value(const host_surface_set *set, uint32_t i, const host_names *all, uint32_t *most, host_error *error)
 {
     host_label *const label = &set->label[i];
-    for (uint32_t k = 0; k < names->n; k++)
-        if (strcmp(names->item[k].name, label->name) == 0) {
-            label->value = names->item[k].value;
-            label->coloured = names->item[k].coloured;
-            memcpy(label->colour, names->item[k].colour, sizeof label->colour);
+    for (uint32_t k = 0; k < all->n; k++)
+        if (strcmp(all->item[k].name, label->name) == 0) {
+            label->value = all->item[k].value;
+            label->coloured = all->item[k].coloured;
+            memcpy(label->colour, all->item[k].colour, sizeof label->colour);
         }
     if (label->value == 0)
         label->value = ++*most;

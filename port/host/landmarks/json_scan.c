@@ -239,10 +239,7 @@ static int read_member(host_scan *scan, const char *key, void *context)
     return m->fields[i].read(scan, (unsigned char *)m->to + m->fields[i].offset);
 }
 
-int host_scan_struct(host_scan *scan, host_scan_members *members)
-{
-    return host_scan_object(scan, read_member, members);
-}
+int host_scan_struct(host_scan *scan, host_scan_members *to) { return host_scan_object(scan, read_member, to); }
 
 int host_scan_list(host_scan *scan, host_scan_value each, void *context)
 {

@@ -34,7 +34,7 @@ typedef struct host_scan_members {
 
 int host_scan_fail(const host_scan *scan, const char *expected);
 int host_scan_object(host_scan *scan, host_scan_member each, void *context);
-int host_scan_struct(host_scan *scan, host_scan_members *members);
+int host_scan_struct(host_scan *scan, host_scan_members *to);
 int host_scan_list(host_scan *scan, host_scan_value each, void *context);
 /* Copies at most bytes - 1 bytes of the text and a NUL; *n: length of the whole text. to NULL: skips the text. */
 int host_scan_text(host_scan *scan, char *to, size_t bytes, size_t *n);

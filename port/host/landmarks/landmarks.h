@@ -29,12 +29,10 @@ int host_landmarks_pair(const host_landmarks *model, const host_landmarks *targe
                         uint32_t *n, host_error *error);
 
 /* Adds the landmark of a line. Refuses labels and coordinates that host_landmarks does not allow. */
-int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label,
-                       const double xyz[3]);
+int host_landmarks_add(host_landmarks *set, host_error *error, uint32_t line, host_word label, const double xyz[3]);
 
 /* Turns the landmarks from `first` on from the named coordinate system into LPS. -1 for an unknown system. */
-int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system,
-                          uint32_t first);
+int host_landmarks_to_lps(host_landmarks *set, host_error *error, uint32_t line, host_word system, uint32_t first);
 
 /* Reads the bytes of a file in any format. */
 int host_landmarks_scan(host_landmarks *landmarks, const char *path, const host_bytes *bytes, host_error *error);

@@ -272,44 +272,43 @@ static int check_label(const host_landmarks *landmarks, host_error *error, uint3
     return 0;
 }
 
-int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label,
-                       const double xyz[3])
+int host_landmarks_add(host_landmarks *set, host_error *error, uint32_t line, host_word label, const double xyz[3])
 {
-    const int any = landmarks->points != NULL; /* any number of points; the label may be empty or known */
+    const int any = set->points != NULL; /* any number of points; the label may be empty or known */
     const double limit = (double)SMR_COORD_MAX;
     float at[3];
     if (any && (label.n >= HOST_LABEL_BYTES || (label.n > 0 && memchr(label.start, '\0', label.n) != NULL)))
         return host_fail_at(error, "line", line, "a label of at most %u bytes, without NUL", HOST_LABEL_BYTES - 1u);
-    if (!any && check_label(landmarks, error, line, label) != 0)
+    if (!any && check_label(set, error, line, label) != 0)
         return -1;
     for (uint32_t i = 0; i < 3; i++) {
         if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
             return host_fail_at(error, "line", line, "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
         at[i] = (float)xyz[i];
     }
-    if (any && host_points_add(landmarks->points, label.start, label.n, at) != 0)
+    if (any && host_points_add(set->points, label.start, label.n, at) != 0)
         return host_fail_at(error, "line", line, "at most %u points, and free memory", SMR_VERTICES_MAX);
     if (!any) {
-        memcpy(landmarks->xyz[landmarks->n], at, sizeof at);
-        (void)snprintf(landmarks->label[landmarks->n], HOST_LABEL_BYTES, "%.*s", (int)label.n, label.start);
+        memcpy(set->xyz[set->n], at, sizeof at);
+        (void)snprintf(set->label[set->n], HOST_LABEL_BYTES, "%.*s", (int)label.n, label.start);
     }
-    landmarks->n++;
+    set->n++;
     return 0;
 }
 
-int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system, uint32_t first)
+int host_landmarks_to_lps(host_landmarks *set, host_error *error, uint32_t line, host_word system, uint32_t first)
 {
-    float(*const xyz)[3] = landmarks->points != NULL ? landmarks->points->xyz : landmarks->xyz;
+    float(*const xyz)[3] = set->points != NULL ? set->points->xyz : set->xyz;
     if (host_word_is(system, "LPS") || host_word_is(system, "1"))
         return 0;
     if (!host_word_is(system, "RAS") && !host_word_is(system, "0"))
         return host_fail_at(error, "line", line, "coordinate system LPS or RAS, found %.*s",
                             (int)(system.n < 32u ? system.n : 32u), system.start);
-    for (uint32_t i = first; i < landmarks->n; i++) {
+    for (uint32_t i = first; i < set->n; i++) {
         xyz[i][0] = 0.0f - xyz[i][0];
         xyz[i][1] = 0.0f - xyz[i][1];
-        for (uint32_t k = 0; landmarks->points != NULL && landmarks->points->orientation != NULL && k < 6u; k++)
-            landmarks->points->orientation[i][k] = 0.0f - landmarks->points->orientation[i][k];
+        for (uint32_t k = 0; set->points != NULL && set->points->orientation != NULL && k < 6u; k++)
+            set->points->orientation[i][k] = 0.0f - set->points->orientation[i][k];
     }
     return 0;
 }

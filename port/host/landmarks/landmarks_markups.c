@@ -151,17 +151,16 @@ static int read_markup_member(host_scan *scan, const char *key, void *context)
 }
 
 /* Turns the points at the end of the markup, since the coordinate system may follow them. */
-static int read_markup(host_scan *scan, void *context)
+static int read_markup(host_scan *in, void *context)
 {
     markup m = {0};
     m.landmarks = context;
     uint32_t first = m.landmarks->n;
-    if (host_scan_object(scan, read_markup_member, &m) != 0)
+    if (host_scan_object(in, read_markup_member, &m) != 0)
         return -1;
     if (m.system_line == 0)
-        return host_scan_fail(scan, "coordinateSystem \"LPS\" or \"RAS\" in the markup that ends here");
-    return host_landmarks_to_lps(m.landmarks, scan->error, m.system_line, (host_word){m.system, strlen(m.system)},
-                                 first);
+        return host_scan_fail(in, "coordinateSystem \"LPS\" or \"RAS\" in the markup that ends here");
+    return host_landmarks_to_lps(m.landmarks, in->error, m.system_line, (host_word){m.system, strlen(m.system)}, first);
 }
 
 static int read_top(host_scan *scan, const char *key, void *context)

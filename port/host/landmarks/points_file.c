@@ -125,10 +125,7 @@ int host_points_fit(const host_points *points, const char *path, host_error *err
     return 0;
 }
 
-static const char *label_of(const host_points *points, uint32_t i)
-{
-    return points->label != NULL ? points->label[i] : "";
-}
+static const char *label_of(const host_points *p, uint32_t i) { return p->label != NULL ? p->label[i] : ""; }
 
 void host_points_put_name(const host_points *points, uint32_t i, const char *tail, host_buffer *out)
 {

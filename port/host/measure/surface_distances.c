@@ -81,10 +81,9 @@ int host_area_stats(const host_query *queries, uint32_t n_queries, const unsigne
     return stats_of(queries, n_queries, seen, 1, stats);
 }
 
-int host_vertex_stats(const host_query *queries, uint32_t n_queries, const unsigned char *const *seen,
-                      host_stats *stats)
+int host_vertex_stats(const host_query *queries, uint32_t n, const unsigned char *const *seen, host_stats *stats)
 {
-    return stats_of(queries, n_queries, seen, 0, stats);
+    return stats_of(queries, n, seen, 0, stats);
 }
 
 #define CENTROID_SHARE (27.0 / 60.0)
@@ -115,11 +114,10 @@ static int place_middles(const smr_mesh *mesh, host_samples *samples)
 static void place_centroids(const smr_mesh *mesh, host_samples *samples)
 {
     for (size_t t = 0; t < mesh->n_triangles; t++, samples->n++) {
-        const uint32_t *const corner = mesh->triangles + 3u * t;
+        const uint32_t *const at = mesh->triangles + 3u * t;
         for (size_t c = 0; c < 3; c++) {
-            const double sum = (double)mesh->xyz[3u * (size_t)corner[0] + c] +
-                               (double)mesh->xyz[3u * (size_t)corner[1] + c] +
-                               (double)mesh->xyz[3u * (size_t)corner[2] + c];
+            const double sum = (double)mesh->xyz[3u * (size_t)at[0] + c] + (double)mesh->xyz[3u * (size_t)at[1] + c] +
+                               (double)mesh->xyz[3u * (size_t)at[2] + c];
             samples->xyz[3u * samples->n + c] = (float)(sum / 3.0);
         }
     }
@@ -170,14 +168,10 @@ static double area_of(const float *xyz, const uint32_t *corner)
     return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-static void add(float *weight, size_t i, double area)
-{
-    weight[i] = (weight[i] > 0.0f ? weight[i] : 0.0f) + (float)area;
-}
+static void add(float *sum, size_t i, double area) { sum[i] = (sum[i] > 0.0f ? sum[i] : 0.0f) + (float)area; }
 
 /* Returns the area of the triangles that count. */
-static double weigh_triangles(const host_samples *samples, const smr_mesh *mesh, const unsigned char *seen,
-                              float *weight)
+static double weigh_triangles(const host_samples *samples, const smr_mesh *mesh, const unsigned char *seen, float *sum)
 {
     const size_t first_centroid = samples->n - mesh->n_triangles;
     double all = 0.0;
@@ -186,11 +180,11 @@ static double weigh_triangles(const host_samples *samples, const smr_mesh *mesh,
         const double area = area_of(mesh->xyz, corner);
         if (seen != NULL && (!seen[corner[0]] || !seen[corner[1]] || !seen[corner[2]]))
             continue;
-        add(weight, first_centroid + t, CENTROID_SHARE * area);
+        add(sum, first_centroid + t, CENTROID_SHARE * area);
         for (size_t c = 0; c < 3; c++) {
-            add(weight, corner[c], CORNER_SHARE * area);
+            add(sum, corner[c], CORNER_SHARE * area);
             if (middle[c] != SMR_NONE)
-                add(weight, middle[c], MIDDLE_SHARE * area);
+                add(sum, middle[c], MIDDLE_SHARE * area);
         }
         all += area;
     }

@@ -54,9 +54,8 @@ void host_queries_free(host_query *queries, uint32_t n_queries);
  * vertices, of which each counts the same; a vertex without triangles does not count in a mesh that has some.
  * seen: NULL, or for each query NULL or [n_vertices] with 0 for vertices whose triangles are left out.
  * 0, or -1 when out of memory. */
-int host_area_stats(const host_query *queries, uint32_t n_queries, const unsigned char *const *seen, host_stats *stats);
-int host_vertex_stats(const host_query *queries, uint32_t n_queries, const unsigned char *const *seen,
-                      host_stats *stats);
+int host_area_stats(const host_query *queries, uint32_t n, const unsigned char *const *seen, host_stats *stats);
+int host_vertex_stats(const host_query *queries, uint32_t n, const unsigned char *const *seen, host_stats *stats);
 
 /* A distance and what it counts. */
 typedef struct host_weighted {

@@ -208,13 +208,12 @@ static size_t mark_bytes(const unsigned char *data, size_t n)
 static int looks_like_obj(const unsigned char *head, size_t n)
 {
     host_text text = host_text_over(head, n);
-    host_word line, word;
+    host_word line, w;
     while (host_text_line(&text, &line)) {
         host_text words = host_text_over(line.start, line.n);
-        if (!host_text_word_in_line(&words, &word) || word.start[0] == '#')
+        if (!host_text_word_in_line(&words, &w) || w.start[0] == '#')
             continue;
-        return host_word_is(word, "v") || host_word_is(word, "mtllib") || host_word_is(word, "o") ||
-               host_word_is(word, "g");
+        return host_word_is(w, "v") || host_word_is(w, "mtllib") || host_word_is(w, "o") || host_word_is(w, "g");
     }
     return 0;
 }

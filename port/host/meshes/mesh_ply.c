@@ -88,14 +88,13 @@ static int read_element(const host_mesh_reader *reader, host_text *line, host_pl
 /* The role of a property: see host_ply_property. */
 static int role_of(int kind, const host_ply_property *property, host_word name)
 {
-    const int is_list = property->count_type != HOST_TYPE_NONE;
-    if (kind == HOST_PLY_VERTEX && !is_list && name.n == 1 && name.start[0] >= 'x' && name.start[0] <= 'z')
+    const int list = property->count_type != HOST_TYPE_NONE;
+    if (kind == HOST_PLY_VERTEX && !list && name.n == 1 && name.start[0] >= 'x' && name.start[0] <= 'z')
         return name.start[0] - 'x';
-    if (kind == HOST_PLY_VERTEX && !is_list && name.n == 2 && name.start[0] == 'n' && name.start[1] >= 'x' &&
+    if (kind == HOST_PLY_VERTEX && !list && name.n == 2 && name.start[0] == 'n' && name.start[1] >= 'x' &&
         name.start[1] <= 'z')
         return 3 + name.start[1] - 'x';
-    if (kind == HOST_PLY_FACE && is_list &&
-        (host_word_is(name, "vertex_indices") || host_word_is(name, "vertex_index")))
+    if (kind == HOST_PLY_FACE && list && (host_word_is(name, "vertex_indices") || host_word_is(name, "vertex_index")))
         return 0;
     return -1;
 }
@@ -108,26 +107,25 @@ static int read_property(const host_mesh_reader *reader, host_text *line, host_p
     host_ply_element *element = &header->element[header->n_elements - 1u];
     if (element->n_properties == HOST_PLY_PROPERTIES_MAX)
         return host_reader_fail(reader, "at most 64 properties");
-    host_ply_property *property = &element->property[element->n_properties++];
-    property->count_type = HOST_TYPE_NONE;
+    host_ply_property *p = &element->property[element->n_properties++];
+    p->count_type = HOST_TYPE_NONE;
     if (!host_text_word_in_line(line, &word))
         return host_reader_fail(reader, "a property's type and name");
     if (host_word_is(word, "list")) {
-        property->count_type = host_text_word_in_line(line, &word) ? type_named(word) : HOST_TYPE_NONE;
-        if (!is_whole(property->count_type))
+        p->count_type = host_text_word_in_line(line, &word) ? type_named(word) : HOST_TYPE_NONE;
+        if (!is_whole(p->count_type))
             return host_reader_fail(reader, "a whole-number type for the list's count");
         if (!host_text_word_in_line(line, &word))
             return host_reader_fail(reader, "the type of the list's values");
         element->has_list = 1;
     }
-    property->type = type_named(word);
-    if (property->type == HOST_TYPE_NONE || !host_text_word_in_line(line, &word))
+    p->type = type_named(word);
+    if (p->type == HOST_TYPE_NONE || !host_text_word_in_line(line, &word))
         return host_reader_fail(reader, "a property's type (char, ..., double) and name");
-    property->role = role_of(element->kind, property, word);
-    if (element->kind == HOST_PLY_FACE && property->role == 0 && !is_whole(property->type))
+    p->role = role_of(element->kind, p, word);
+    if (element->kind == HOST_PLY_FACE && p->role == 0 && !is_whole(p->type))
         return host_reader_fail(reader, "whole numbers as vertex indexes");
-    element->row_bytes +=
-        host_type_bytes(property->count_type == HOST_TYPE_NONE ? property->type : property->count_type);
+    element->row_bytes += host_type_bytes(p->count_type == HOST_TYPE_NONE ? p->type : p->count_type);
     return 0;
 }
 
@@ -281,17 +279,16 @@ static int read_vertices(host_numbers *from, const host_ply_element *element)
     return 0;
 }
 
-static int read_polygon(host_numbers *from, const host_ply_property *property, uint64_t n_vertices)
+static int read_polygon(host_numbers *from, const host_ply_property *p, uint64_t n_vertices)
 {
     host_mesh_reader *const reader = from->reader;
     uint32_t fan[3] = {0, 0, 0};
     uint64_t count = 0;
-    if (next_count(from, property->count_type, 3, &count) != 0)
+    if (next_count(from, p->count_type, 3, &count) != 0)
         return -1;
     for (uint64_t i = 0; i < count; i++) {
         uint32_t index = 0;
-        if (host_numbers_index(from, property->type, n_vertices, &index) != 0 ||
-            host_reader_fan(reader, fan, index) != 0)
+        if (host_numbers_index(from, p->type, n_vertices, &index) != 0 || host_reader_fan(reader, fan, index) != 0)
             return -1;
     }
     return 0;
@@ -304,9 +301,8 @@ static int read_faces(host_numbers *from, const host_ply_element *element, uint6
         return -1;
     for (reader->number = 0; reader->number < element->count; reader->number++) {
         for (uint32_t i = 0; i < element->n_properties; i++) {
-            const host_ply_property *const property = &element->property[i];
-            const int result =
-                property->role < 0 ? skip_property(from, property) : read_polygon(from, property, n_vertices);
+            const host_ply_property *const p = &element->property[i];
+            const int result = p->role < 0 ? skip_property(from, p) : read_polygon(from, p, n_vertices);
             if (result != 0)
                 return -1;
         }

@@ -114,16 +114,15 @@ static int read_three(host_mesh_reader *reader, host_text *text, int is_normal)
 }
 
 /* Reads "7/1/3" as vertex index 6. Negative numbers count back from the last vertex read. */
-static int read_index(const host_mesh_reader *reader, host_word word, pending *last, uint32_t *index)
+static int read_index(const host_mesh_reader *reader, host_word w, pending *last, uint32_t *index)
 {
-    const char *const slash = memchr(word.start, '/', word.n);
+    const char *const slash = memchr(w.start, '/', w.n);
     const int64_t known = reader->mesh->n_vertices;
     int64_t value = 0;
     if (slash != NULL)
-        word.n = (size_t)(slash - word.start);
-    if (!host_word_int(word, &value) || value == 0)
-        return host_reader_fail(reader, "vertex indexes from 1, found '%.*s'", (int)(word.n < 40 ? word.n : 40),
-                                word.start);
+        w.n = (size_t)(slash - w.start);
+    if (!host_word_int(w, &value) || value == 0)
+        return host_reader_fail(reader, "vertex indexes from 1, found '%.*s'", (int)(w.n < 40 ? w.n : 40), w.start);
     value = value < 0 ? known + value : value - 1;
     if (value < 0 || value >= (int64_t)SMR_VERTICES_MAX)
         return host_reader_fail(reader, "the index of one of the %lld vertices so far", (long long)known);

@@ -72,24 +72,23 @@ enum { HOST_VTK_SKIP = 0, HOST_VTK_POLYGONS, HOST_VTK_STRIPS };
 static int read_cell(host_numbers *vtk, int use, host_type type, uint64_t n)
 {
     host_mesh_reader *const reader = vtk->reader;
-    uint32_t fan[3] = {0, 0, 0}, index = 0, a = 0, b = 0;
+    uint32_t fan[3] = {0, 0, 0}, c = 0, a = 0, b = 0;
     if (use == HOST_VTK_SKIP)
         return skip(vtk, type, n);
     if (n < 3)
         return host_reader_fail(reader, "at least 3 vertices, found %llu", (unsigned long long)n);
     for (uint64_t i = 0; i < n; i++) {
         int result = 0;
-        if (host_numbers_index(vtk, type, reader->mesh->n_vertices, &index) != 0)
+        if (host_numbers_index(vtk, type, reader->mesh->n_vertices, &c) != 0)
             return -1;
         if (use == HOST_VTK_POLYGONS)
-            result = host_reader_fan(reader, fan, index);
+            result = host_reader_fan(reader, fan, c);
         else if (i >= 2)
-            result =
-                i % 2u == 0 ? host_reader_triangle(reader, a, b, index) : host_reader_triangle(reader, b, a, index);
+            result = i % 2u == 0 ? host_reader_triangle(reader, a, b, c) : host_reader_triangle(reader, b, a, c);
         if (result != 0)
             return -1;
         a = b;
-        b = index;
+        b = c;
     }
     return 0;
 }
@@ -180,18 +179,17 @@ static int host_vtk_cells(host_numbers *vtk, int use)
 /* Reads the header: "# vtk DataFile Version", a title, ASCII or BINARY. */
 static int read_head(host_numbers *vtk)
 {
-    host_word line;
-    if (!host_text_line(&vtk->text, &line) || !host_word_has(line, "vtk DataFile"))
+    host_word w;
+    if (!host_text_line(&vtk->text, &w) || !host_word_has(w, "vtk DataFile"))
         return host_fail_at(vtk->reader->error, "line", 1, "# vtk DataFile Version");
-    if (!host_text_line(&vtk->text, &line))
+    if (!host_text_line(&vtk->text, &w))
         return host_vtk_fail(vtk, "a title line");
-    vtk->reader->ras = host_word_has(line, "SPACE=RAS");
-    if (!host_text_word(&vtk->text, &line) ||
-        !(host_word_is_nocase(line, "ASCII") || host_word_is_nocase(line, "BINARY")))
+    vtk->reader->ras = host_word_has(w, "SPACE=RAS");
+    if (!host_text_word(&vtk->text, &w) || !(host_word_is_nocase(w, "ASCII") || host_word_is_nocase(w, "BINARY")))
         return host_vtk_fail(vtk, "ASCII or BINARY");
-    vtk->binary = host_word_is_nocase(line, "BINARY");
-    if (!host_text_word(&vtk->text, &line) || !host_word_is_nocase(line, "DATASET") ||
-        !host_text_word_in_line(&vtk->text, &line) || !host_word_is_nocase(line, "POLYDATA"))
+    vtk->binary = host_word_is_nocase(w, "BINARY");
+    if (!host_text_word(&vtk->text, &w) || !host_word_is_nocase(w, "DATASET") ||
+        !host_text_word_in_line(&vtk->text, &w) || !host_word_is_nocase(w, "POLYDATA"))
         return host_vtk_fail(vtk, "DATASET POLYDATA");
     return 0;
 }
@@ -232,17 +230,16 @@ static int skip_field(host_numbers *vtk)
         return -1;
     vtk->reader->unit = "field array";
     for (uint64_t i = 0; i < arrays; i++) {
-        uint64_t components = 0, tuples = 0;
+        uint64_t components = 0, n = 0;
         host_type type = HOST_TYPE_NONE;
         vtk->reader->number = i;
         if (!host_text_word(&vtk->text, &word))
             return host_reader_truncated(vtk->reader);
         if (host_vtk_count(vtk, "a count of components", &components) != 0 ||
-            host_vtk_count(vtk, "a count of tuples", &tuples) != 0 ||
-            host_vtk_type_word(vtk, "a numeric type", &type) != 0)
+            host_vtk_count(vtk, "a count of tuples", &n) != 0 || host_vtk_type_word(vtk, "a numeric type", &type) != 0)
             return -1;
         host_vtk_end_line(vtk);
-        if (skip(vtk, type, components * tuples) != 0)
+        if (skip(vtk, type, components * n) != 0)
             return -1;
     }
     return 0;

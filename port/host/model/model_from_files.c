@@ -173,11 +173,10 @@ int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error 
  * never touched costs nothing. */
 static size_t likely_bytes(const host_model *model, const smr_prepare_config *config)
 {
-    const size_t radii = config->n_radii > 0 ? config->n_radii : SMR_RADII_MAX / 2u;
+    const size_t n = config->n_radii > 0 ? config->n_radii : SMR_RADII_MAX / 2u;
     size_t bytes = (size_t)1u << 20;
     for (uint32_t i = 0; i < model->n_parts; i++)
-        bytes +=
-            (256u + 1024u * radii) * model->part[i].mesh.n_vertices + 64u * (size_t)model->part[i].mesh.n_triangles;
+        bytes += (256u + 1024u * n) * model->part[i].mesh.n_vertices + 64u * (size_t)model->part[i].mesh.n_triangles;
     return bytes < ((size_t)1u << 30) ? bytes : (size_t)1u << 30;
 }
 

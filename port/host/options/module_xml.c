@@ -135,8 +135,7 @@ static void put_setting(host_buffer *out, const host_option *o, const smr_settin
                                        [HOST_KIND_WORD] = "string-enumeration"};
     const host_range range = host_option_range(o);
     const int known = o->kind < HOST_KIND_RADII && (o->kind == HOST_KIND_WORD || s->value >= range.min);
-    const int has_unit =
-        s->kind == SMR_SETTING_NUMBER && (strcmp(s->unit, "mm") == 0 || strcmp(s->unit, "degrees") == 0);
+    const int has = s->kind == SMR_SETTING_NUMBER && (strcmp(s->unit, "mm") == 0 || strcmp(s->unit, "degrees") == 0);
     char value[64] = "", text[600];
     parameter p = {"string", o->name + strspn(o->name, "-"), NULL, text, NULL, value};
     if (known) {
@@ -145,8 +144,7 @@ static void put_setting(host_buffer *out, const host_option *o, const smr_settin
     }
     if (o->kind == HOST_KIND_FLAG)
         p.standard = "false";
-    (void)snprintf(text, sizeof text, "%s%s%s%s", s->text, has_unit ? " (" : "", has_unit ? s->unit : "",
-                   has_unit ? ")" : "");
+    (void)snprintf(text, sizeof text, "%s%s%s%s", s->text, has ? " (" : "", has ? s->unit : "", has ? ")" : "");
     put_head(out, &p);
     if (known && o->kind == HOST_KIND_WORD)
         put_words(out, host_option_words(o));

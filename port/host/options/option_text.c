@@ -186,12 +186,11 @@ static int sentence_length(const host_option *o, const smr_setting *s)
 /* One option for two settings. */
 static void print_search(char *to, size_t bytes)
 {
-    const smr_config surfaces = smr_config_default(), image = smr_config_default_image();
+    const smr_config surface = smr_config_default(), image = smr_config_default_image();
     (void)snprintf(to, bytes,
                    "surfaces: farthest closest point that is a goal (%g); an image: search distance of profile "
                    "matching, first and last (%g,%g), at most half a radius",
-                   (double)surfaces.basic.search_mm, (double)image.image.profile_mm,
-                   (double)image.image.profile_end_mm);
+                   (double)surface.basic.search_mm, (double)image.image.profile_mm, (double)image.image.profile_end_mm);
 }
 
 void host_option_sentence(const host_option *o, int command, char *to, size_t bytes)

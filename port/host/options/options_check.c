@@ -86,9 +86,9 @@ static int check_rules(const host_options *options, const rule *rules, size_t n,
 }
 
 /* A benchmark of the computed thigh, or of files. */
-static int check_bench(const host_options *options, host_error *error)
+static int check_bench(const host_options *asked, host_error *error)
 {
-    const int files = options->model.n > 0, soak = options->soak != 0, figure2 = options->figure2 != 0;
+    const int files = asked->model.n > 0, soak = asked->soak != 0, figure2 = asked->figure2 != 0;
     const rule rules[] = {{"--seconds", soak, "--soak beside it"},
                           {"--repeats", figure2, "--figure2 beside it"},
                           {"--step", figure2, "--figure2 beside it"},
@@ -98,13 +98,12 @@ static int check_bench(const host_options *options, host_error *error)
                           {"--mirror-model", files, "--model beside it"},
                           {"--mirror-target", files, "--model beside it"},
                           {"--align", files, "--model beside it"},
-                          {"--align", options->figure1 != 0, "--figure1 beside it"}};
-    if (options->figure1 + options->figure2 + options->soak != 1u)
+                          {"--align", asked->figure1 != 0, "--figure1 beside it"}};
+    if (asked->figure1 + asked->figure2 + asked->soak != 1u)
         return host_fail(error, "bench", "one of --figure1, --figure2 and --soak");
-    if (options->out == NULL)
+    if (asked->out == NULL)
         return host_fail(error, "-o", "the directory for the results");
-    return check_rules(options, rules, sizeof rules / sizeof rules[0], error) != 0 ? -1
-                                                                                   : check_bench_files(options, error);
+    return check_rules(asked, rules, sizeof rules / sizeof rules[0], error) != 0 ? -1 : check_bench_files(asked, error);
 }
 
 /* What a command cannot do without: a text, or files, one at least unless `exactly` says how many. In this order. */
@@ -201,31 +200,29 @@ static int check_packed(const host_options *options, host_error *error)
 }
 
 /* What the results are written as, a log of one run from its start, a distance where something is kept apart. */
-static int check_outputs(const host_options *options, host_error *error)
+static int check_outputs(const host_options *asked, host_error *error)
 {
     const rule rules[] = {
-        {"--log", options->save == NULL && options->resume == NULL,
+        {"--log", asked->save == NULL && asked->resume == NULL,
          "neither --save nor --resume beside it, a log is of a whole run"},
-        {"--vertex-errors", options->format == HOST_FORMAT_PLY || options->format == HOST_FORMAT_VTK,
+        {"--vertex-errors", asked->format == HOST_FORMAT_PLY || asked->format == HOST_FORMAT_VTK,
          "--format ply or vtk, which have room for them"},
-        {"--contact-mm", options->contact || options->contact_with.n > 0, "--contact or --contact-with beside it"}};
-    if (options->slicer != NULL &&
-        (!host_has_extension(options->slicer, ".mrml") || host_is_packed_name(options->slicer)))
-        return host_fail_of(error, options->slicer, "name", "a scene that ends in .mrml");
-    return check_rules(options, rules, sizeof rules / sizeof rules[0], error);
+        {"--contact-mm", asked->contact || asked->contact_with.n > 0, "--contact or --contact-with beside it"}};
+    if (asked->slicer != NULL && (!host_has_extension(asked->slicer, ".mrml") || host_is_packed_name(asked->slicer)))
+        return host_fail_of(error, asked->slicer, "name", "a scene that ends in .mrml");
+    return check_rules(asked, rules, sizeof rules / sizeof rules[0], error);
 }
 
 /* The options of the start: landmarks, a pose, both. */
-static int check_start(const host_options *options, host_error *error)
+static int check_start(const host_options *asked, host_error *error)
 {
-    const int landmarks = host_option_given(options, "--landmarks");
+    const int landmarks = host_option_given(asked, "--landmarks");
     const rule rules[] = {
-        {"--align",
-         !options->image_target || options->align == HOST_ALIGN_NONE || landmarks || options->landmark_goals.n > 0,
+        {"--align", !asked->image_target || asked->align == HOST_ALIGN_NONE || landmarks || asked->landmark_goals.n > 0,
          "--landmarks beside it or surfaces as the target, it is a volume"},
-        {"--smoothing", landmarks && options->align == HOST_ALIGN_NONE,
+        {"--smoothing", landmarks && asked->align == HOST_ALIGN_NONE,
          "--landmarks and no --align beside it, it smooths their spline"}};
-    return check_rules(options, rules, sizeof rules / sizeof rules[0], error);
+    return check_rules(asked, rules, sizeof rules / sizeof rules[0], error);
 }
 
 /* The options that do not go with this kind of target, and those that exclude each other. */
@@ -290,10 +287,9 @@ static int check_search(const host_options *options, host_error *error)
 static int check_profiles(const host_options *options, host_error *error)
 {
     static const char expected[] = "--reference beside it, the image that profiles are taken from";
-    const int fits = options->reference != NULL || options->command != HOST_BUILD;
-    const rule rules[] = {{"--profile-samples", fits, expected},
-                          {"--profile-step", fits, expected},
-                          {"--profile-inward", fits, expected}};
+    const int fit = options->reference != NULL || options->command != HOST_BUILD;
+    const rule rules[] = {
+        {"--profile-samples", fit, expected}, {"--profile-step", fit, expected}, {"--profile-inward", fit, expected}};
     return check_rules(options, rules, sizeof rules / sizeof rules[0], error);
 }
 

@@ -70,14 +70,13 @@ static int read_radii(const host_option *o, const char *text, smr_prepare_config
 }
 
 /* "5" or "5,0": from the start of the schedule to its end. */
-static int read_span(const host_option *o, const char *text, host_span *span, host_error *error)
+static int read_span(const host_option *o, const char *at, host_span *span, host_error *error)
 {
     host_word word;
     double from = 0.0, to = 0.0;
-    if (next_number(o, &text, &word, &from, error) != 0 ||
-        (text != NULL && read_number(o, word_of(text), &to, error) != 0))
+    if (next_number(o, &at, &word, &from, error) != 0 || (at != NULL && read_number(o, word_of(at), &to, error) != 0))
         return -1;
-    *span = (host_span){(float)from, (float)to, text != NULL ? 2 : 1};
+    *span = (host_span){(float)from, (float)to, at != NULL ? 2 : 1};
     return 0;
 }
 
@@ -184,10 +183,7 @@ static int wants_paper(int argc, char **argv)
 }
 
 /* A summary is of as many results as there are; others take as many as a model has structures. */
-static uint32_t operands_most(int command, int argc)
-{
-    return command == HOST_SUMMARY ? (uint32_t)argc : SMR_STRUCTURES_MAX;
-}
+static uint32_t operands_most(int verb, int argc) { return verb == HOST_SUMMARY ? (uint32_t)argc : SMR_STRUCTURES_MAX; }
 
 static const size_t lists[] = {OF(model),  OF(target),       OF(operands),       OF(landmarks),
                                OF(frames), OF(volume_ratio), OF(landmark_goals), OF(contact_with)};

@@ -179,10 +179,7 @@ const host_option *host_option_find(const char *name, int command)
     return NULL;
 }
 
-int host_option_was_given(const host_options *options, size_t i)
-{
-    return (options->given[i / 64u] >> i % 64u & 1u) != 0;
-}
+int host_option_was_given(const host_options *from, size_t i) { return (from->given[i / 64u] >> i % 64u & 1u) != 0; }
 
 int host_option_given(const host_options *options, const char *name)
 {

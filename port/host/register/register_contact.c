@@ -18,20 +18,18 @@ int host_job_load_fixed(host_job *job, host_error *error)
     if (job->options->contact && files->n == 0 && job->model.n_parts == 1)
         return host_fail(error, "option", "a model of several structures, or --contact-with beside it");
     error->file = "--contact-with";
-    host_load *loads = calloc(files->n + 1u, sizeof *loads);
+    host_load *load = calloc(files->n + 1u, sizeof *load);
     c->fixed = calloc(files->n + 1u, sizeof *c->fixed);
-    if (loads == NULL || c->fixed == NULL)
+    if (load == NULL || c->fixed == NULL)
         result = host_fail(error, "start", "free memory");
-    for (uint32_t i = 0; result == 0 && i < files->n; i++) {
-        loads[i] =
-            (host_load){.path = files->path[i], .need = HOST_MESH_SURFACE, .mirror = job->options->mirror_target};
-    }
+    for (uint32_t i = 0; result == 0 && i < files->n; i++)
+        load[i] = (host_load){.path = files->path[i], .need = HOST_MESH_SURFACE, .mirror = job->options->mirror_target};
     if (result == 0 && files->n > 0)
-        result = host_load_all(&job->port.port, loads, files->n, error);
+        result = host_load_all(&job->port.port, load, files->n, error);
     for (uint32_t i = 0; result == 0 && i < files->n; i++) {
         host_target *const fixed = &c->fixed[c->n_fixed++];
-        fixed->path = loads[i].path;
-        fixed->mesh = loads[i].mesh;
+        fixed->path = load[i].path;
+        fixed->mesh = load[i].mesh;
         (void)host_base_name(fixed->path, fixed->name, sizeof fixed->name);
         if (host_is_inside_out(&fixed->mesh)) {
             error->file = fixed->path;
@@ -40,13 +38,13 @@ int host_job_load_fixed(host_job *job, host_error *error)
         const smr_mesh view = host_mesh_view(&fixed->mesh);
         fixed->surface = host_surface_make(&view, &fixed->memory);
         error->file = fixed->path;
-        memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
+        memset(&load[i].mesh, 0, sizeof load[i].mesh);
         if (fixed->surface == NULL)
             result = host_fail(error, "surface", "a surface within the library's limits and free memory for it");
     }
-    for (uint32_t i = 0; loads != NULL && i < files->n; i++)
-        host_mesh_free(&loads[i].mesh);
-    free(loads);
+    for (uint32_t i = 0; load != NULL && i < files->n; i++)
+        host_mesh_free(&load[i].mesh);
+    free(load);
     return result;
 }
 
@@ -104,11 +102,10 @@ static float cut(const smr_surface *a, const smr_surface *b)
 #define NESTED_CUT 0.1f /* of the depth: a wall that is cut by less is not */
 
 /* 1 where one of two structures lies in the other at rest, as marrow in a bone. */
-static int is_nested(const host_job *job, const host_contact_pair *pair)
+static int is_nested(const host_job *job, const host_contact_pair *p)
 {
     void *memory[2] = {NULL, NULL};
-    const smr_mesh a = host_mesh_view(&job->model.part[pair->a].mesh),
-                   b = host_mesh_view(&job->model.part[pair->b].mesh);
+    const smr_mesh a = host_mesh_view(&job->model.part[p->a].mesh), b = host_mesh_view(&job->model.part[p->b].mesh);
     const smr_surface *const one = host_surface_make(&a, &memory[0]), *const other = host_surface_make(&b, &memory[1]);
     smr_contact_report r = {0, 0, 0, 0};
     if (one != NULL && other != NULL)

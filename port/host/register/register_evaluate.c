@@ -130,26 +130,25 @@ static int measure_distances(host_job *job, room *r)
     host_query *const query = r->query;
     summary *const list = r->list;
     uint32_t n_pairs = 0, n = 0;
-    int failed = 0;
+    int bad = 0;
     for (uint32_t i = 0; i < job->n_targets; i++)
         if (job->target[i].users > 0)
             pairs[n_pairs++] = (pair){&job->target[i], NULL, NULL, i, job};
     host_parallel(&job->port.port, build_result, pairs, n_pairs);
     for (uint32_t i = 0; i < n_pairs; i++)
-        failed |= pairs[i].result == NULL;
-    if (!failed)
+        bad |= pairs[i].result == NULL;
+    if (!bad)
         n = make_queries(job, pairs, n_pairs, query) + n_pairs;
-    failed =
-        failed || host_distances(&job->port.port, query, n) != 0 || (!job->options->image_target && !find_seen(job, r));
-    if (!failed) {
+    bad = bad || host_distances(&job->port.port, query, n) != 0 || (!job->options->image_target && !find_seen(job, r));
+    if (!bad) {
         n = list_summaries(job, r, n_pairs);
         host_parallel(&job->port.port, make_summary, list, n);
         for (uint32_t i = 0; i < n; i++)
-            failed |= list[i].failed;
+            bad |= list[i].failed;
     }
     for (uint32_t i = 0; i < n_pairs; i++)
         free(pairs[i].memory);
-    return failed ? -1 : 0;
+    return bad ? -1 : 0;
 }
 
 static int find_distances(host_job *job)

@@ -49,7 +49,7 @@ static int take_surfaces(host_job *job, host_label_surface *surface, host_error 
 
 int host_job_load_truth_map(host_job *job, host_error *error)
 {
-    host_label_surface *surface = NULL;
+    host_label_surface *to = NULL;
     uint32_t n = 0;
     int result = -1;
     error->file = job->options->truth;
@@ -61,15 +61,14 @@ int host_job_load_truth_map(host_job *job, host_error *error)
         if (job->options->mirror_target != HOST_MIRROR_NONE)
             host_volume_mirror(&job->truth_map->grid, job->options->mirror_target);
         n = job->truth_map->n_labels;
-        surface = calloc(n, sizeof *surface);
-        if (surface == NULL)
+        to = calloc(n, sizeof *to);
+        if (to == NULL)
             (void)host_fail(error, "start", "free memory");
-        else if (host_label_surfaces_make(&job->port.port, job->truth_map, HOST_SMOOTHING_PASSES, 0, surface, error) ==
-                 0)
-            result = take_surfaces(job, surface, error);
+        else if (host_label_surfaces_make(&job->port.port, job->truth_map, HOST_SMOOTHING_PASSES, 0, to, error) == 0)
+            result = take_surfaces(job, to, error);
     }
     job->truth_end = host_file_count();
-    host_label_surfaces_free(surface, n);
+    host_label_surfaces_free(to, n);
     return result;
 }
 
@@ -250,10 +249,9 @@ int host_job_warp(host_job *job, host_error *error)
     if (xyz == NULL)
         return host_fail(error, "start", "free memory");
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        const uint32_t vertices = job->model.part[i].mesh.n_vertices;
-        const size_t count = 3u * (size_t)vertices;
-        if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK ||
-            smr_warp_apply(job->warp, xyz, vertices) != SMR_OK)
+        const uint32_t n = job->model.part[i].mesh.n_vertices;
+        const size_t count = 3u * (size_t)n;
+        if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK || smr_warp_apply(job->warp, xyz, n) != SMR_OK)
             return host_fail_at(error, "structure", i, "a model that the landmarks' warp can carry");
         for (size_t k = 0; k < count; k++)
             if (!(xyz[k] >= -SMR_COORD_MAX && xyz[k] <= SMR_COORD_MAX)) /* written so that NaN fails */
@@ -268,24 +266,22 @@ int host_job_warp(host_job *job, host_error *error)
 static int pose_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
 {
     const int similarity = job->options->align == HOST_ALIGN_SIMILARITY;
-    const smr_status status =
+    const smr_status code =
         smr_align_landmarks(from, to, job->n_landmarks, (uint32_t)similarity, &job->pose, &job->align_rms_mm);
     job->warp_kind = similarity ? SMR_WARP_SCALED : SMR_WARP_RIGID;
-    return status == SMR_OK ? 0
-                            : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
+    return code == SMR_OK ? 0 : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(code));
 }
 
 static int warp_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
 {
     size_t bytes = 0;
-    smr_status status = smr_warp_bytes(job->n_landmarks, &bytes);
-    if (status == SMR_OK && (job->warp_memory = host_alloc(bytes)) == NULL)
-        status = SMR_E_ARENA;
-    if (status == SMR_OK)
-        status = smr_warp_fit(from, to, job->n_landmarks, job->options->smoothing, job->warp_memory, bytes, &job->warp,
-                              &job->warp_kind);
-    return status == SMR_OK ? 0
-                            : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
+    smr_status code = smr_warp_bytes(job->n_landmarks, &bytes);
+    if (code == SMR_OK && (job->warp_memory = host_alloc(bytes)) == NULL)
+        code = SMR_E_ARENA;
+    if (code == SMR_OK)
+        code = smr_warp_fit(from, to, job->n_landmarks, job->options->smoothing, job->warp_memory, bytes, &job->warp,
+                            &job->warp_kind);
+    return code == SMR_OK ? 0 : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(code));
 }
 
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error)

@@ -32,17 +32,16 @@ int host_landmark_pairs_read(const host_options *options, const host_files *file
 
 host_landmark_goals *host_landmark_goals_read(const host_options *options, host_error *error)
 {
-    host_landmark_goals *const goals = calloc(1, sizeof *goals);
+    host_landmark_goals *const made = calloc(1, sizeof *made);
     uint32_t n = 0;
     error->file = "--landmark-goals";
-    if (goals == NULL) {
+    if (made == NULL) {
         (void)host_fail(error, "start", "free memory");
         return NULL;
     }
-    if (host_landmark_pairs_read(options, &options->landmark_goals, &goals->set, goals->from, goals->to, &n, error) ==
-        0)
-        return goals;
-    free(goals);
+    if (host_landmark_pairs_read(options, &options->landmark_goals, &made->set, made->from, made->to, &n, error) == 0)
+        return made;
+    free(made);
     return NULL;
 }
 

@@ -61,9 +61,8 @@ void host_job_carry(const host_job *job, host_buffer *out)
 int host_job_record(host_job *job, host_error *error)
 {
     const uint32_t ticks = job->options->ticks;
-    const size_t n_ticks = ticks > 0 && ticks < HOST_LOG_TICKS_MAX ? ticks : HOST_LOG_TICKS_MAX;
-    const size_t bytes =
-        SMR_LOG_BYTES(n_ticks, 2u * (size_t)job->model.n_parts + 2u + HOST_LANDMARKS_MAX + SMR_FIXED_MAX);
+    const size_t n = ticks > 0 && ticks < HOST_LOG_TICKS_MAX ? ticks : HOST_LOG_TICKS_MAX;
+    const size_t bytes = SMR_LOG_BYTES(n, 2u * (size_t)job->model.n_parts + 2u + HOST_LANDMARKS_MAX + SMR_FIXED_MAX);
     error->file = job->options->log;
     job->log_memory = malloc(bytes); /* pages that are never written cost nothing */
     if (job->log_memory == NULL || smr_set_log(job->state, job->log_memory, bytes) != SMR_OK)

@@ -132,9 +132,8 @@ static void judge_lost(host_job *job, host_verdict *verdict)
 {
     uint32_t n = 0, first = 0;
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        const host_result *const result = &job->result[i];
-        if (result->report.has_target == 0 || job->model.part[i].mesh.n_triangles == 0 ||
-            result->report.matched_share > 0.0f)
+        const host_result *const r = &job->result[i];
+        if (r->report.has_target == 0 || job->model.part[i].mesh.n_triangles == 0 || r->report.matched_share > 0.0f)
             continue;
         host_verdict_add(&job->result[i].verdict, HOST_VERDICT_FAILED, "no vertex had a goal at the end");
         first = n++ == 0 ? i : first;
@@ -243,15 +242,14 @@ static void find_local_volumes(host_job *job)
     const float *ratio = all;
     const int known = !job->kept_start && all != NULL && smr_get_local_volume(job->state, SMR_ALL, 0, all) == SMR_OK;
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        host_result *const result = &job->result[i];
-        result->local_volume[0] = result->local_volume[1] =
-            known && result->mesh.n_vertices > 0 ? ratio[0] : (float)NAN;
-        for (uint32_t k = 0; known && k < result->mesh.n_vertices; k++) {
-            result->local_volume[0] = fminf(result->local_volume[0], ratio[k]);
-            result->local_volume[1] = fmaxf(result->local_volume[1], ratio[k]);
+        host_result *const r = &job->result[i];
+        r->local_volume[0] = r->local_volume[1] = known && r->mesh.n_vertices > 0 ? ratio[0] : (float)NAN;
+        for (uint32_t k = 0; known && k < r->mesh.n_vertices; k++) {
+            r->local_volume[0] = fminf(r->local_volume[0], ratio[k]);
+            r->local_volume[1] = fmaxf(r->local_volume[1], ratio[k]);
         }
         if (known)
-            ratio += result->mesh.n_vertices;
+            ratio += r->mesh.n_vertices;
     }
     free(all);
 }

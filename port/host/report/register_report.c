@@ -154,10 +154,9 @@ static void put_result(const host_job *job, host_json *json)
     const double a = job->area.to_target.max, b = job->area.to_result.max;
     double mean = 0.0, max = 0.0, n = 0.0;
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        const double vertices = (double)job->result[i].mesh.n_vertices,
-                     most = (double)job->result[i].report.moved_max_mm;
-        mean += (double)job->result[i].report.moved_mean_mm * vertices;
-        n += vertices;
+        const double count = (double)job->result[i].mesh.n_vertices, most = (double)job->result[i].report.moved_max_mm;
+        mean += (double)job->result[i].report.moved_mean_mm * count;
+        n += count;
         max = most > max ? most : max;
     }
     put_distances(json, "distance_mm", compared, &job->area, job->options->image_target ? NULL : &job->overlap);

@@ -160,7 +160,7 @@ static void print_verdict(const host_verdict *verdict)
 void host_job_summary(const host_job *job)
 {
     const host_stats *const a = &job->area.to_target, *const b = &job->area.to_result;
-    const char *const name = job->options->image_target ? "truth" : "target";
+    const char *const key = job->options->image_target ? "truth" : "target";
     smr_log_state log;
     uint32_t carried = 0;
     (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
@@ -176,11 +176,10 @@ void host_job_summary(const host_job *job)
                      100.0 * job->overlap.weight / a->weight, job->overlap.mean, job->overlap.rms, job->overlap.p95,
                      job->overlap.max);
     if (a->n > 0)
-        (void)printf("%smodel to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", part ? "whole " : "", name, a->mean,
+        (void)printf("%smodel to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", part ? "whole " : "", key, a->mean,
                      a->rms, a->p95, a->max);
     if (job->n_targets > 0)
-        (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
-                     b->max);
+        (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", key, b->mean, b->rms, b->p95, b->max);
     if (job->measures.other_share >= OTHERS)
         (void)printf("left out as other bodies or outliers: %.0f %% of the target\n",
                      100.0 * (double)job->measures.other_share);

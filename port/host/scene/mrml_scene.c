@@ -23,10 +23,9 @@ static void put_color(host_scene *scene, const char *key, const float color[3])
     host_buffer_print(scene->out, " %s=\"%.3g %.3g %.3g\"", key, (double)color[0], (double)color[1], (double)color[2]);
 }
 
-void host_scene_begin(host_scene *scene)
+void host_scene_begin(host_scene *to)
 {
-    host_buffer_print(scene->out,
-                      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<MRML version=\"Slicer 5.10.0 34000\">\n");
+    host_buffer_print(to->out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<MRML version=\"Slicer 5.10.0 34000\">\n");
 }
 
 void host_scene_field(host_scene *scene, const char *name, const char *file)

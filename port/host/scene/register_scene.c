@@ -125,15 +125,14 @@ static int add_results(making *m, host_error *error)
 /* A surface that was read, to be seen through. what: "target", or what else it is. */
 static void add_seen_through(making *m, const host_target *surface, const char *what, const float color[3])
 {
-    static const char *const extensions[] = {".ply", ".stl", ".obj", ".vtk"};
+    static const char *const known[] = {".ply", ".stl", ".obj", ".vtk"};
     char name[NAME_ROOM];
     host_scene_model model = {name, surface->path, {0}, TARGET_OPACITY, NULL, 0.0};
     (void)snprintf(name, sizeof name, "%s (%s)", surface->name, what);
     memcpy(model.color, color, sizeof model.color);
     if (m->job->options->mirror_target != HOST_MIRROR_NONE)
         tell_left_out(m->job, surface->path, "the results are mirrored");
-    else if (surface->surface == NULL ||
-             !slicer_reads(surface->path, extensions, sizeof extensions / sizeof extensions[0]))
+    else if (surface->surface == NULL || !slicer_reads(surface->path, known, sizeof known / sizeof known[0]))
         tell_left_out(m->job, surface->path, "Slicer does not read it as a surface");
     else
         host_scene_model_add(&m->scene, &model);
@@ -178,7 +177,7 @@ static int add_landmarks(making *m, host_error *error)
 {
     const host_options *const options = m->job->options;
     const host_files *const files = options->landmarks.n > 0 ? &options->landmarks : &options->landmark_goals;
-    const int mirror = options->mirror_model;
+    const int axis = options->mirror_model;
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
     host_landmarks *const set = calloc(1, sizeof *set);
     uint32_t n = 0;
@@ -186,9 +185,8 @@ static int add_landmarks(making *m, host_error *error)
     if (set == NULL)
         return host_fail(error, "output", "free memory");
     if (files->n == 2 && host_landmark_pairs_read(options, files, set, from, to, &n, error) == 0) {
-        for (uint32_t i = 0; i < n && mirror != HOST_MIRROR_NONE;
-             i++) /* carried from where the model's file has them */
-            from[i][mirror] = 0.0f - from[i][mirror];
+        for (uint32_t i = 0; i < n && axis != HOST_MIRROR_NONE; i++) /* carried from where the model's file has them */
+            from[i][axis] = 0.0f - from[i][axis];
         result = add_points(m, set, to, "landmarks", places_color, error);
         if (result == 0 && host_carried_points(&m->carried, 0, from[0], n, NULL, error) < 0)
             result = -1;

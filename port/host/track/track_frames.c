@@ -43,8 +43,7 @@ static int check_names(const host_track_points *t, const host_model *model, int 
     return 0;
 }
 
-static int fit(host_track_points *t, const float *rest, const smr_port *port, const host_model *model,
-               host_error *error)
+static int fit(host_track_points *t, const float *at, const smr_port *port, const host_model *model, host_error *error)
 {
     const uint32_t n = t->points.n, vertices = model->info.n_vertices;
     smr_status status = SMR_E_ARENA;
@@ -52,7 +51,7 @@ static int fit(host_track_points *t, const float *rest, const smr_port *port, co
     if (smr_carry_bytes(vertices, n, port->n_workers, &bytes) == SMR_OK)
         t->memory = host_alloc(bytes);
     if (t->memory != NULL)
-        status = smr_carry_fit(rest, vertices, t->points.xyz[0], n, port, t->memory, bytes, &t->carry);
+        status = smr_carry_fit(at, vertices, t->points.xyz[0], n, port, t->memory, bytes, &t->carry);
     if (status == SMR_E_INPUT)
         return host_fail(error, "points", "coordinates within +-%.0f mm", (double)SMR_COORD_MAX);
     return status == SMR_OK ? 0 : host_fail(error, "points", "free memory (%s)", smr_status_name(status));
@@ -236,10 +235,7 @@ void host_frame_unload(const host_frame *frame, host_load *loads)
     free(loads);
 }
 
-int host_frame_is_image(const host_frame *frame)
-{
-    return frame->files.n == 1u && host_is_volume_path(frame->files.path[0]);
-}
+int host_frame_is_image(const host_frame *f) { return f->files.n == 1u && host_is_volume_path(f->files.path[0]); }
 
 uint32_t host_frame_part(const host_frame *frame, uint32_t i, const host_model *model)
 {
@@ -292,15 +288,14 @@ static smr_status judge_structures(smr *s, const host_model *model, smr_verdict 
     return status;
 }
 
-smr_status host_track_judge(smr *s, const host_model *images, int settled, smr_verdict *verdict,
-                            host_track_doubts *doubts)
+smr_status host_track_judge(smr *s, const host_model *images, int settled, smr_verdict *out, host_track_doubts *doubts)
 {
-    const smr_status status = smr_get_verdict(s, SMR_ALL, verdict);
+    const smr_status status = smr_get_verdict(s, SMR_ALL, out);
     if (status != SMR_OK || images == NULL)
         return status;
     if (!settled)
-        lower(verdict);
-    return judge_structures(s, images, verdict, doubts);
+        lower(out);
+    return judge_structures(s, images, out, doubts);
 }
 
 void host_track_note(host_track_verdict *verdict, const host_frame_report *report)

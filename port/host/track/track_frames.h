@@ -65,8 +65,7 @@ typedef struct host_track_verdict {
  * whole. In an image a structure may lie where nothing holds it while the whole is good, and a frame may end on its
  * way: then it is no better than `look`, and such structures' reasons are added. Returns the status of
  * smr_get_verdict(). */
-smr_status host_track_judge(smr *s, const host_model *images, int settled, smr_verdict *verdict,
-                            host_track_doubts *doubts);
+smr_status host_track_judge(smr *s, const host_model *images, int settled, smr_verdict *out, host_track_doubts *doubts);
 
 /* Adds the next frame, whose name is borrowed until all is printed. */
 void host_track_note(host_track_verdict *verdict, const host_frame_report *report);

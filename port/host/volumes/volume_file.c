@@ -73,27 +73,24 @@ static int box_is_near(const host_volume *volume, const double steps[3][3], cons
     return 1;
 }
 
-int host_volume_set_geometry(host_volume_reader *reader, const char *place, const double steps[3][3],
-                             const double origin[3])
+int host_volume_set_geometry(host_volume_reader *to, const char *at, const double steps[3][3], const double origin[3])
 {
-    host_volume *const volume = reader->volume;
+    host_volume *const volume = to->volume;
     char text[120];
     double unit[3][3];
     for (int j = 0; j < 3; j++) {
         const double mm = sqrt(steps[j][0] * steps[j][0] + steps[j][1] * steps[j][1] + steps[j][2] * steps[j][2]);
         if (!(mm >= 1e-6 && mm <= (double)SMR_COORD_MAX)) /* written so that NaN fails */
-            return host_fail(reader->error, place, "a positive spacing and a direction along axis %d, found %g mm", j,
-                             mm);
+            return host_fail(to->error, at, "a positive spacing and a direction along axis %d, found %g mm", j, mm);
         volume->spacing[j] = (float)mm;
         for (int i = 0; i < 3; i++)
             unit[j][i] = steps[j][i] / mm;
     }
     if (!(fabs(determinant((const double(*)[3])unit)) > FLAT))
-        return host_fail(reader->error, place, "three axes that do not lie in one plane");
+        return host_fail(to->error, at, "three axes that do not lie in one plane");
     if (!box_is_near(volume, steps, origin)) {
         (void)snprintf(text, sizeof text, "a volume within +-%.0f mm", (double)SMR_COORD_MAX);
-        return host_fail(reader->error, place, "%s, found the first voxel at %g %g %g", text, origin[0], origin[1],
-                         origin[2]);
+        return host_fail(to->error, at, "%s, found the first voxel at %g %g %g", text, origin[0], origin[1], origin[2]);
     }
     for (int i = 0; i < 3; i++) {
         volume->origin[i] = (float)origin[i];
@@ -159,12 +156,11 @@ static int accept_volume(const host_head *head, host_error *error)
     return host_fail(error, "content", "a MetaImage, NIfTI-1 or NRRD volume");
 }
 
-int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys,
-                            host_error *error)
+int host_volume_read_layers(const char *path, host_volume *to, uint32_t *layers, host_buffer *keys, host_error *error)
 {
     host_bytes bytes;
-    host_volume_reader reader = {.volume = volume, .error = error, .path = path, .keys = keys};
-    memset(volume, 0, sizeof *volume);
+    host_volume_reader reader = {.volume = to, .error = error, .path = path, .keys = keys};
+    memset(to, 0, sizeof *to);
     if (host_file_read(path, accept_volume, &bytes, error) != 0)
         return -1;
     read_function read = reader_for(path, bytes.data, bytes.size);
@@ -173,7 +169,7 @@ int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *lay
     host_file_free(&bytes);
     host_file_free(&reader.detached);
     if (result != 0)
-        host_volume_free(volume);
+        host_volume_free(to);
     *layers = reader.layers > 0u ? reader.layers : 1u;
     return result;
 }

@@ -117,7 +117,7 @@ static int field_endian(host_volume_reader *reader, nrrd_header *header, host_wo
     return host_volume_fail(reader, "endian: little or big");
 }
 
-static int field_space(host_volume_reader *reader, nrrd_header *header, host_word value)
+static int field_space(host_volume_reader *from, nrrd_header *header, host_word value)
 {
     static const char *const lps[] = {"left-posterior-superior", "LPS", NULL},
                              *const ras[] = {"right-anterior-superior", "RAS", NULL},
@@ -128,8 +128,7 @@ static int field_space(host_volume_reader *reader, nrrd_header *header, host_wor
                                             : SPACE_NONE;
     if (header->space != SPACE_NONE)
         return 0;
-    return host_volume_fail(reader,
-                            "space: left-posterior-superior, right-anterior-superior or left-anterior-superior");
+    return host_volume_fail(from, "space: left-posterior-superior, right-anterior-superior or left-anterior-superior");
 }
 
 static int field_space_dimension(host_volume_reader *reader, nrrd_header *header, host_word value)
@@ -165,18 +164,17 @@ static int read_vector(host_text *text, double xyz[3])
     return 0;
 }
 
-static int field_directions(host_volume_reader *reader, nrrd_header *header, host_word value)
+static int field_directions(host_volume_reader *to, nrrd_header *header, host_word value)
 {
     host_text text = host_text_over(value.start, value.n);
     host_word rest;
     if (header->n == 4 && (!host_text_word_in_line(&text, &rest) || !host_word_is_nocase(rest, "none")))
-        return host_volume_fail(reader,
-                                "space directions: none (x,y,z) (x,y,z) (x,y,z), for the first axis is of layers");
+        return host_volume_fail(to, "space directions: none (x,y,z) (x,y,z) (x,y,z), for the first axis is of layers");
     for (int j = 0; j < 3; j++)
         if (!read_vector(&text, header->steps[j]))
-            return host_volume_fail(reader, "space directions: (x,y,z) (x,y,z) (x,y,z)");
+            return host_volume_fail(to, "space directions: (x,y,z) (x,y,z) (x,y,z)");
     if (host_text_word_in_line(&text, &rest))
-        return host_volume_fail(reader, "space directions: three vectors, found more");
+        return host_volume_fail(to, "space directions: three vectors, found more");
     header->has_steps = 1;
     return 0;
 }

@@ -39,8 +39,7 @@ int host_volume_fail(const host_volume_reader *reader, const char *expected, ...
 int host_volume_set_size(host_volume_reader *reader, const char *place, const int64_t size[3]);
 
 /* Sets the volume's geometry. steps[j]: vector from one voxel to the next along axis j, mm, LPS. */
-int host_volume_set_geometry(host_volume_reader *reader, const char *place, const double steps[3][3],
-                             const double origin[3]);
+int host_volume_set_geometry(host_volume_reader *to, const char *at, const double steps[3][3], const double origin[3]);
 
 /* Converts RAS to LPS and back: negates the first two coordinates. */
 void host_volume_turn_ras(double steps[3][3], double origin[3]);

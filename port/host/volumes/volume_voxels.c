@@ -133,24 +133,23 @@ static int put_number(const host_volume_reader *reader, size_t i, double value)
     return 1;
 }
 
-static int load_text(const host_volume_reader *reader, const unsigned char *data, size_t size)
+static int load_text(const host_volume_reader *to, const unsigned char *data, size_t size)
 {
-    const size_t n = voxel_count(reader);
-    const size_t skip = reader->byte_skip > 0 ? (size_t)reader->byte_skip : 0u;
+    const size_t n = voxel_count(to);
+    const size_t at = to->byte_skip > 0 ? (size_t)to->byte_skip : 0u;
     /* a number takes a digit and a space */
-    if (skip > size || n > (size - skip + 1u) / 2u)
-        return host_fail(reader->error, "voxels", "%zu numbers, found %zu bytes of text", n,
-                         skip < size ? size - skip : 0u);
-    if (allocate(reader, n) != 0)
+    if (at > size || n > (size - at + 1u) / 2u)
+        return host_fail(to->error, "voxels", "%zu numbers, found %zu bytes of text", n, at < size ? size - at : 0u);
+    if (allocate(to, n) != 0)
         return -1;
-    host_text text = host_text_over(data + skip, size - skip);
+    host_text text = host_text_over(data + at, size - at);
     for (size_t i = 0; i < n; i++) {
         host_word word;
         double value = 0.0;
         if (!host_text_word(&text, &word))
-            return host_fail_at(reader->error, "voxel", i, "more numbers, but the file ends here");
-        if (!host_word_double(word, &value) || !put_number(reader, i, value))
-            return host_fail_at(reader->error, "voxel", i, "a number of the file's type, found %.*s",
+            return host_fail_at(to->error, "voxel", i, "more numbers, but the file ends here");
+        if (!host_word_double(word, &value) || !put_number(to, i, value))
+            return host_fail_at(to->error, "voxel", i, "a number of the file's type, found %.*s",
                                 (int)(word.n < 32u ? word.n : 32u), word.start);
     }
     return 0;
@@ -175,53 +174,50 @@ static int load_deflated(const host_volume_reader *reader, const unsigned char *
     return result;
 }
 
-int host_volume_convert(host_volume_reader *reader)
+int host_volume_convert(host_volume_reader *from)
 {
-    host_text text = host_text_over(reader->data, reader->n);
+    host_text text = host_text_over(from->data, from->n);
     host_word line;
-    for (int64_t i = 0; i < reader->line_skip; i++)
+    for (int64_t i = 0; i < from->line_skip; i++)
         if (!host_text_line(&text, &line))
-            return host_fail(reader->error, "voxels", "%" PRId64 " lines to skip, found %" PRId64, reader->line_skip,
-                             i);
+            return host_fail(from->error, "voxels", "%" PRId64 " lines to skip, found %" PRId64, from->line_skip, i);
     size_t size = (size_t)(text.end - text.at);
-    reader->data += reader->n - size;
-    reader->n = size;
-    reader->volume->type = kept_type(reader);
-    if (reader->encoding == HOST_ENCODING_TEXT)
-        return load_text(reader, reader->data, reader->n);
-    if (reader->encoding == HOST_ENCODING_DEFLATE)
-        return load_deflated(reader, reader->data, reader->n);
-    return load_raw(reader, reader->data, reader->n);
+    from->data += from->n - size;
+    from->n = size;
+    from->volume->type = kept_type(from);
+    if (from->encoding == HOST_ENCODING_TEXT)
+        return load_text(from, from->data, from->n);
+    if (from->encoding == HOST_ENCODING_DEFLATE)
+        return load_deflated(from, from->data, from->n);
+    return load_raw(from, from->data, from->n);
 }
 
 /* Puts the data file's name in front of the error's text, since the error line names the header's file. */
-static void name_data_file(host_error *error, const char *path, const char *key, host_word name)
+static void name_data_file(host_error *error, const char *path, const char *key, host_word w)
 {
     char place[sizeof error->place];
-    (void)snprintf(place, sizeof place, "%s %.*s, %.20s", key, (int)(name.n < 48u ? name.n : 48u), name.start,
-                   error->place);
+    (void)snprintf(place, sizeof place, "%s %.*s, %.20s", key, (int)(w.n < 48u ? w.n : 48u), w.start, error->place);
     memcpy(error->place, place, sizeof place);
     error->file = path;
 }
 
-int host_volume_read_detached(host_volume_reader *reader, const char *key, host_word name)
+int host_volume_read_detached(host_volume_reader *reader, const char *key, host_word w)
 {
     const char *const slash = strrchr(reader->path, '/');
-    const size_t folder =
-        slash == NULL || (name.n > 0 && name.start[0] == '/') ? 0u : (size_t)(slash - reader->path) + 1u;
-    if (name.n == 0 || memchr(name.start, '\0', name.n) != NULL)
+    const size_t folder = slash == NULL || (w.n > 0 && w.start[0] == '/') ? 0u : (size_t)(slash - reader->path) + 1u;
+    if (w.n == 0 || memchr(w.start, '\0', w.n) != NULL)
         return host_volume_fail(reader, "%s with the name of a file", key);
-    char *path = malloc(folder + name.n + 1u);
+    char *path = malloc(folder + w.n + 1u);
     if (path == NULL)
         return host_fail(reader->error, "file", "free memory for a file name");
     memcpy(path, reader->path, folder);
-    memcpy(path + folder, name.start, name.n);
-    path[folder + name.n] = '\0';
+    memcpy(path + folder, w.start, w.n);
+    path[folder + w.n] = '\0';
     int result = host_file_read(path, NULL, &reader->detached, reader->error);
     /* host_file_read has left the path in the error; it is freed here, so the error must not keep it. */
     reader->error->file = reader->path;
     if (result != 0)
-        name_data_file(reader->error, reader->path, key, name);
+        name_data_file(reader->error, reader->path, key, w);
     free(path);
     reader->data = reader->detached.data;
     reader->n = reader->detached.size;

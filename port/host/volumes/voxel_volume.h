@@ -28,8 +28,7 @@ int host_volume_read_grid(const char *path, host_volume *grid, host_error *error
 
 /* The same for label maps: a NRRD may have several layers, whose values are next to each other for each voxel, and
  * lines "key:=value", which are added to keys. layers: 1 or more. */
-int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys,
-                            host_error *error);
+int host_volume_read_layers(const char *path, host_volume *to, uint32_t *layers, host_buffer *keys, host_error *error);
 
 void host_volume_free(host_volume *volume);
 
