@@ -14,8 +14,7 @@ typedef struct smr_template {
     uint64_t last_ns;
 } smr_template;
 
-/* Prepares *state and returns the port to hand to smr_init(). *state must stay as long as the port is
- * used. */
+/* Prepares *state and returns the port to hand to smr_init(). *state must stay as long as the port. */
 smr_port smr_template_port(smr_template *state);
 
 #ifdef __cplusplus

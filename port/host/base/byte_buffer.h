@@ -27,8 +27,8 @@ void host_buffer_free(host_buffer *buffer);
  * character. text ends with a NUL. */
 size_t host_utf8_bytes(const char *text);
 
-/* The next character of a text: its first byte, with control characters as ' ' and what is no UTF-8 as '?'; *bytes: how
- * many to go on by. */
+/* The next character of a text: its first byte, with control characters as ' ' and what is no UTF-8 as '?'; *bytes: its
+ * length. */
 char host_clean_next(const char *text, size_t *bytes);
 
 /* Appends a text and the tail, which needs no quotes, as one field: within quotes, its own twice, where RFC 4180 or a

@@ -27,23 +27,22 @@ static void put_u32(unsigned char *p, uint32_t value)
         p[i] = (unsigned char)(value >> 8u * i);
 }
 
-void host_carry_write(const host_carry_shape *shape, host_buffer *out)
+void host_carry_write(const host_carry_shape *s, host_buffer *out)
 {
-    const uint32_t header[] = {MAGIC, VERSION, 0, shape->n_vertices, shape->n_structures, (uint32_t)(shape->mirror + 1),
-                               0,     0};
+    const uint32_t header[] = {MAGIC, VERSION, 0, s->n_vertices, s->n_structures, (uint32_t)(s->mirror + 1), 0, 0};
     const size_t from = out->size;
     for (size_t i = 0; i < sizeof header / sizeof header[0]; i++)
         host_buffer_u32(out, header[i]);
-    for (size_t i = 0; i < shape->n_structures; i++) {
-        host_buffer_add(out, shape->name[i], SMR_NAME_BYTES);
-        host_buffer_u32(out, shape->count[i]);
+    for (size_t i = 0; i < s->n_structures; i++) {
+        host_buffer_add(out, s->name[i], SMR_NAME_BYTES);
+        host_buffer_u32(out, s->count[i]);
     }
-    for (size_t i = 0; i < 3u * (size_t)shape->n_vertices; i++)
-        host_buffer_f32(out, shape->rest[i]);
-    for (size_t i = 0; i < 3u * (size_t)shape->n_vertices; i++)
-        host_buffer_f32(out, shape->now[i]);
-    for (size_t i = 0; i < 2u * (size_t)shape->n_vertices; i++)
-        host_buffer_f32(out, shape->error[i]);
+    for (size_t i = 0; i < 3u * (size_t)s->n_vertices; i++)
+        host_buffer_f32(out, s->rest[i]);
+    for (size_t i = 0; i < 3u * (size_t)s->n_vertices; i++)
+        host_buffer_f32(out, s->now[i]);
+    for (size_t i = 0; i < 2u * (size_t)s->n_vertices; i++)
+        host_buffer_f32(out, s->error[i]);
     if (!out->failed)
         put_u32(out->data + from + 8, host_crc32_of(out->data + from + CHECKED_FROM, out->size - from - CHECKED_FROM));
 }
@@ -266,8 +265,7 @@ static void turn(const smr_pose *poses, uint32_t n, float *orientation)
         }
 }
 
-int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uint32_t n, float *orientation,
-                        host_error *error)
+int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uint32_t n, float *axes, host_error *error)
 {
     const size_t places = (size_t)SMR_FRAME_PLACES * n;
     float *const from = malloc(places * 3u * sizeof *from + 1u), *const to = malloc(places * 3u * sizeof *to + 1u);
@@ -286,7 +284,7 @@ int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uin
                          : host_fail(error, "carry", "frames that stay frames");
     }
     if (result == 0)
-        turn(poses, n, orientation);
+        turn(poses, n, axes);
     free(from);
     free(to);
     free(poses);

@@ -70,7 +70,7 @@ void host_carried_error(const host_carried *c, uint32_t inverse, const float xyz
 
 /* Turns the orientations [n][9] of frames at xyz [n][3] mm as the map turns space there; rows of matrices whose columns
  * are axes. xyz is where host_carried_points() takes them from. 0, or -1 with the error filled. */
-int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uint32_t n, float *orientation,
+int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uint32_t n, float *axes,
                         host_error *error);
 
 /* The box around the model, before (inverse 0) or after. */

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define SWEEPS 60u
-#define FIT_SPACING_MM 5.0f /* coarser grids have too few voxels for the vertices, and are left */
+#define FIT_GRID_MM 5.0f /* coarser grids have too few voxels for the vertices, and are left */
 #define FIT_MM 0.002
 
 /* Displacements of slice z; xyz: scratch, [n] places. */
@@ -96,8 +96,7 @@ static double fit_knot(const knot *at, float *field)
 void host_carried_field_fit(const host_carried *c, const host_volume *grid, uint32_t inverse, float *field)
 {
     double to_index[9], worst2 = 1.0;
-    if (!(grid->spacing[0] <= FIT_SPACING_MM && grid->spacing[1] <= FIT_SPACING_MM &&
-          grid->spacing[2] <= FIT_SPACING_MM))
+    if (!(grid->spacing[0] <= FIT_GRID_MM && grid->spacing[1] <= FIT_GRID_MM && grid->spacing[2] <= FIT_GRID_MM))
         return;
     host_volume_to_index(grid, to_index);
     for (uint32_t sweep = 0; sweep < SWEEPS && worst2 > FIT_MM * FIT_MM; sweep++) {
@@ -130,12 +129,6 @@ int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t in
     return missed;
 }
 
-static double determinant(const double e[3][3])
-{
-    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
-}
-
 /* 1 where a cell's edges at one of its corners span no volume, or one of the other sign than those of the grid do. */
 static int cell_folds(const host_volume *grid, const float *field, double sign, size_t first, const size_t stride[3])
 {
@@ -151,7 +144,7 @@ static int cell_folds(const host_volume *grid, const float *field, double sign, 
                 edge[a][k] = whole[a][k] + (double)field[3u * high + k] - (double)field[3u * low + k];
             }
         }
-        if (!(sign * determinant(edge) * determinant(whole) > 0.0))
+        if (!(sign * host_determinant(edge) * host_determinant(whole) > 0.0))
             return 1;
     }
     return 0;

@@ -8,8 +8,7 @@
 
 /* Fills out->voxels, of the type of `image`, on the grid that out has: each voxel shows the place of the image that
  * the registration carried there, interpolated linearly; 0 outside the image. The way back is computed on a lattice of
- * about LATTICE_MM and interpolated. Returns how many points of the lattice were not found, or -1 with the error
- * filled. */
+ * about LATTICE_MM and interpolated. Returns how many of its points were not found, or -1 with the error filled. */
 int64_t host_carried_volume(host_carried *c, const host_volume *image, host_volume *out, host_error *error);
 
 /* Fills field [size[2]][size[1]][size[0]][3], mm: what leads from a place to where the registration carried it;

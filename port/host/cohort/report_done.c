@@ -247,8 +247,7 @@ void host_report_line(const host_report_head *head, const char *directory, int s
     host_json_close(&json, '}');
 }
 
-/* One write(), so that lines that several programs append to one file do not mix; more only where the system takes a
- * part. */
+/* One write(), so that lines that several programs append to a file do not mix; more if the system takes a part. */
 static int put_line(const host_buffer *line, host_error *error)
 {
     size_t at = 0;

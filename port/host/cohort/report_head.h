@@ -62,12 +62,10 @@ int host_scan_count(host_scan *scan, uint64_t *value);
  * empty, and why: what is another, or an empty text where there is no report. */
 int host_report_done(const host_options *options, host_report_head *head, char why[HOST_WHY_BYTES]);
 
-/* Writes the head's facts by report.json's names on one line, with the directory, and whether they were found done. The
- * buffer stores failure. */
+/* Writes the head's facts by report.json's names on one line, with the directory and whether they were found done. */
 void host_report_line(const host_report_head *head, const char *directory, int skipped, host_buffer *out);
 
-/* Prints that line on standard output, of the bytes of a report.json, at once and after what stands there. 0, or -1
- * with the error filled. */
+/* Prints that line on stdout, of the bytes of a report.json, at once and after what stands there. 0, or -1. */
 int host_report_print(const host_buffer *report, const char *directory, host_error *error);
 
 /* Says that a result was found done: as that line, or as one for people; nothing where quiet says so. */

@@ -68,10 +68,9 @@ static void put_table(const host_label_map *map, host_buffer *out)
     }
 }
 
-static int write_surfaces(const host_label_map *map, const host_label_surface *surface, const char *directory,
-                          host_error *error)
+static int write_surfaces(const host_label_map *map, const host_label_surface *of, const char *dir, host_error *error)
 {
-    host_output *const output = host_output_begin(directory);
+    host_output *const output = host_output_begin(dir);
     host_buffer buffer = {0};
     char name[SMR_NAME_BYTES + 8u];
     unsigned char colour[3];
@@ -80,9 +79,9 @@ static int write_surfaces(const host_label_map *map, const host_label_surface *s
         (void)snprintf(name, sizeof name, "%s.ply", map->label[i].name);
         colour_of(&map->label[i], i, colour);
         if (map->label[i].coloured)
-            host_mesh_write_coloured(&surface[i].mesh, colour, &buffer);
+            host_mesh_write_coloured(&of[i].mesh, colour, &buffer);
         else
-            host_mesh_write(&surface[i].mesh, HOST_FORMAT_PLY, &buffer);
+            host_mesh_write(&of[i].mesh, HOST_FORMAT_PLY, &buffer);
         result = host_output_take(output, name, &buffer, 0, error);
     }
     put_table(map, &buffer);

@@ -87,29 +87,28 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     return 0;
 }
 
-static const void *input_target(const host_target *target, uint32_t kind)
+static const void *target_of(const host_target *target, uint32_t kind)
 {
     return kind == SMR_LOG_POINTS ? (const void *)target->points : target->surface;
 }
 
 /* Finds the input that a record names. */
-static const void *input_of(void *ctx, const smr_log_record *record)
+static const void *input_of(void *ctx, const smr_log_record *r)
 {
     const host_job *const job = ctx;
     const float *xyz = job->start_xyz;
-    const uint32_t part = record->structure;
-    if (record->kind == SMR_LOG_FIXED_SURFACE)
-        return record->index < job->contacts.n_fixed ? job->contacts.fixed[record->index].surface : NULL;
-    if (record->kind == SMR_LOG_VOLUME)
+    const uint32_t part = r->structure;
+    if (r->kind == SMR_LOG_FIXED_SURFACE)
+        return r->index < job->contacts.n_fixed ? job->contacts.fixed[r->index].surface : NULL;
+    if (r->kind == SMR_LOG_VOLUME)
         return job->options->image_target ? &job->image.view : NULL;
-    if ((record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_POINTS) && part == SMR_ALL)
-        return job->n_targets == 1 ? input_target(&job->target[0], record->kind) : NULL;
+    if ((r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS) && part == SMR_ALL)
+        return job->n_targets == 1 ? target_of(&job->target[0], r->kind) : NULL;
     if (part >= job->model.n_parts)
         return NULL;
-    if (record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_POINTS)
-        return job->result[part].target != HOST_NO_TARGET
-                   ? input_target(&job->target[job->result[part].target], record->kind)
-                   : NULL;
+    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS)
+        return job->result[part].target != HOST_NO_TARGET ? target_of(&job->target[job->result[part].target], r->kind)
+                                                          : NULL;
     for (uint32_t i = 0; xyz != NULL && i < part; i++)
         xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
     return xyz;

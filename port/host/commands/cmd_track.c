@@ -270,13 +270,12 @@ static int follow_image(tracked *t, uint32_t number, host_frame_report *report, 
 static int run_frame(tracked *t, uint32_t number, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
-    host_frame_report report = {0};
-    report.name = frame->name;
-    if ((t->options.image_target ? follow_image(t, number, &report, error)
-                                 : follow_surfaces(t, number, &report, error)) != 0 ||
+    host_frame_report r = {0};
+    r.name = frame->name;
+    if ((t->options.image_target ? follow_image(t, number, &r, error) : follow_surfaces(t, number, &r, error)) != 0 ||
         host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
         return -1;
-    add_line(t, number, frame, &report);
+    add_line(t, number, frame, &r);
     return write_frame(t, number, error);
 }
 

@@ -26,8 +26,7 @@ typedef struct host_head {
     size_t n, total;           /* total: the file's size, 0 when unknown (compressed) */
 } host_head;
 
-/* Decides by the start of a file. Returns 0 to read on, -1 with the error filled to stop before a large file is read in
- * vain. */
+/* Decides by the start of a file. Returns 0 to read on, -1 with the error filled to stop before reading it all. */
 typedef int (*host_accept)(const host_head *head, host_error *error);
 
 /* Reads a regular file and unpacks it when it is a gzip file. 0, or -1 with the error filled. */
@@ -53,8 +52,8 @@ void host_file_forget(size_t first);
 /* From here on files that are read get a checksum, which costs time. */
 void host_file_keep_checksums(void);
 
-/* Those files but numbers first to end - 1, sorted by name, each name once. Returns how many there are, or -1 when out
- * of memory; free(*inputs). */
+/* Those files but numbers first to end - 1, sorted by name, each once. Returns their number, or -1 when out of memory;
+ * free(*inputs). */
 int host_file_list(size_t first, size_t end, host_input **inputs);
 
 /* Calls take(context, block, n) for the blocks of an open file, of a multiple of 8 bytes but for the last one. 0, or -1

@@ -74,10 +74,9 @@ void host_log_write(const host_log *log, host_buffer *out)
         put_piece(&body, log->argument[i], strlen(log->argument[i]));
     }
     for (uint32_t i = 0; i < log->n_inputs; i++) {
-        const host_log_input *const input = &log->input[i];
-        host_buffer_print(&body, "input %zu %" PRIu64 " %016" PRIx64 "\n", strlen(input->path), input->bytes,
-                          input->checksum);
-        put_piece(&body, input->path, strlen(input->path));
+        const host_log_input *const in = &log->input[i];
+        host_buffer_print(&body, "input %zu %" PRIu64 " %016" PRIx64 "\n", strlen(in->path), in->bytes, in->checksum);
+        put_piece(&body, in->path, strlen(in->path));
     }
     host_buffer_print(&body, "log %zu\n", log->log_bytes);
     put_piece(&body, log->log, log->log_bytes);

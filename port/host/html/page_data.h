@@ -45,8 +45,7 @@ int host_page_image_make(const host_volume *v, const host_box *box, float margin
 /* Adds n bytes as a text of base64. */
 void host_page_bytes(host_json *json, const char *key, const void *bytes, size_t n);
 
-/* Adds {"low", "high", "at"}: n points of xyz, or those in keep[n] unless it is NULL, with 16 bits an axis within their
- * box. */
+/* Adds {"low", "high", "at"}: n points of xyz, or those in keep[n] (may be NULL), 16 bits an axis within their box. */
 void host_page_points(host_json *json, const char *key, const float *xyz, const uint32_t *keep, size_t n);
 
 /* Adds {"unit", "at"}: the values of the n vertices in keep, as multiples of the unit with 16 bits each. 65535: not

@@ -149,30 +149,29 @@ static void quantise(const float *value, size_t n, const host_page_image *out)
     }
 }
 
-int host_page_image_make(const host_volume *image, const host_box *box, float margin_mm, size_t most,
-                         host_page_image *out)
+int host_page_image_make(const host_volume *v, const host_box *box, float margin_mm, size_t most, host_page_image *out)
 {
     axis a[3];
     size_t n = 1;
     int j = 0;
     memset(out, 0, sizeof *out);
-    if (!span(image, box, margin_mm, a))
+    if (!span(v, box, margin_mm, a))
         return 0;
-    choose_step(image, most, a);
-    memcpy(out->first, image->origin, sizeof out->first);
+    choose_step(v, most, a);
+    memcpy(out->first, v->origin, sizeof out->first);
     for (j = 0; j < 3; j++) {
         const double at = (double)a[j].first + 0.5 * (a[j].step - 1.0); /* centre of its first voxel, in voxels */
         out->size[j] = a[j].n;
-        out->spacing[j] = (float)(a[j].step * (double)image->spacing[j]);
+        out->spacing[j] = (float)(a[j].step * (double)v->spacing[j]);
         for (int c = 0; c < 3; c++)
-            out->first[c] += (float)(at * (double)image->spacing[j] * (double)image->direction[3 * c + j]);
+            out->first[c] += (float)(at * (double)v->spacing[j] * (double)v->direction[3 * c + j]);
         n *= a[j].n;
     }
     float *value = malloc(n * sizeof *value);
     out->at = malloc(n);
     if (value != NULL && out->at != NULL) {
-        fill(image, a, value);
-        choose_range(image, value, n, out);
+        fill(v, a, value);
+        choose_range(v, value, n, out);
         quantise(value, n, out);
     }
     j = value != NULL && out->at != NULL ? 0 : -1;

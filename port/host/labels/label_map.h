@@ -45,8 +45,7 @@ static inline size_t host_label_voxels(const host_label_map *map)
 /* Checks that the extension is one of those. 0, or -1 with the error filled. */
 int host_labels_can_write(const char *path, host_error *error);
 
-/* Writes a map of one layer in the format of the path's extension. Labels of more than 65535 do not fit: -1 with the
- * error filled. */
+/* Writes a map of one layer in the format of the path's extension. Labels above 65535: -1 with the error filled. */
 int host_labels_write(const host_label_map *map, const char *path, host_buffer *out, host_error *error);
 
 /* A name that is given to a value, in all layers. */
@@ -72,12 +71,11 @@ void host_names_free(host_names *names);
 /* Gives the map's labels the names and colours of a .seg.nrrd's "key:=value" lines. */
 int host_labels_take_segments(host_label_map *map, const host_buffer *keys, host_error *error);
 
-/* Gives the map's labels these names. Labels without a name then become label_VALUE; of several with the same name each
- * gets its value behind it. */
+/* Gives the map's labels these names. Those without one become label_VALUE; of several with the same name each gets its
+ * value behind it. */
 int host_labels_settle_names(host_label_map *map, const host_names *names, host_error *error);
 
-/* Copies a text as a name. Other characters than a name may have become '_', also a dot at the start. 0, or -1 when
- * it is empty or too long. */
+/* Copies a text as a name. Characters that no name may have become '_', as a first dot. 0, or -1: empty, too long. */
 int host_label_name(const char *text, size_t n, char name[SMR_NAME_BYTES]);
 
 /* The label that has this name once its characters are those of a name, or NULL. */

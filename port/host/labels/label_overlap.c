@@ -33,8 +33,7 @@ static int is_plain(const host_label *label)
     return strcmp(name, label->name) == 0;
 }
 
-/* The label of `map` that is the same structure as a label of `own`; SMR_NONE: none. By value only where no label of
- * `own` has its name. */
+/* The label of `map` for a label of `own`; SMR_NONE: none. By value only where no label of `own` has its name. */
 static uint32_t same_label(const host_label_map *own, const host_label *label, const host_label_map *map)
 {
     const host_label *const named = host_label_find(map, label->name);

@@ -46,7 +46,7 @@ static void add_cell(const scan *s, const uint16_t corner[8], uint32_t cell)
     }
 }
 
-static const uint16_t *row_at(const scan *s, uint32_t y, uint32_t z)
+static const uint16_t *line(const scan *s, uint32_t y, uint32_t z)
 {
     const uint32_t *const size = s->cells->size;
     /* y and z are one too large; 0 stands for the row before the map */
@@ -58,8 +58,7 @@ static const uint16_t *row_at(const scan *s, uint32_t y, uint32_t z)
 static void scan_row(const scan *s, uint32_t y, uint32_t z)
 {
     const uint32_t nx = s->cells->size[0];
-    const uint16_t *const row[4] = {row_at(s, y, z), row_at(s, y + 1u, z), row_at(s, y, z + 1u),
-                                    row_at(s, y + 1u, z + 1u)};
+    const uint16_t *const row[4] = {line(s, y, z), line(s, y + 1u, z), line(s, y, z + 1u), line(s, y + 1u, z + 1u)};
     const uint32_t first = (nx + 1u) * (y + (s->cells->size[1] + 1u) * z);
     uint16_t corner[8] = {0};
     for (uint32_t x = 0; x <= nx; x++) {

@@ -142,8 +142,7 @@ static void edge_middle(unsigned edge, float at[3])
         at[k] = 0.5f * (float)((corner[0] >> k & 1u) + (corner[1] >> k & 1u));
 }
 
-/* The vertex of a loop starts in the middle of the crossed edges. With several loops each keeps to its part of the
- * cell. */
+/* The vertex of a loop starts in the middle of the crossed edges. Of several loops each keeps to its part of a cell. */
 static void place_vertex(const builder *b, size_t i, const host_loops *loops, unsigned loop)
 {
     const uint32_t c = b->cell[i], v = b->first_vertex[i] + loop;

@@ -28,8 +28,7 @@ host_loops host_cell_loops(unsigned mask, unsigned joined);
 /* The corners at the two ends of an edge; the second has the larger number. */
 void host_cell_edge(unsigned edge, unsigned corner[2]);
 
-/* A neighbour of a vertex, and a quadrangle with the side from the vertex to it: side k from corner k to corner k +
- * 1. */
+/* A neighbour of a vertex, and a quadrangle with the side from the vertex to it: side k from corner k to k + 1. */
 typedef struct host_net_side {
     uint32_t to, quad, k;
 } host_net_side;

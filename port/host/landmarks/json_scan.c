@@ -191,8 +191,8 @@ int host_scan_number(host_scan *scan, double *value)
     return 0;
 }
 
-/* Reads a list or an object: `member` for an object, `element` for a list; both NULL: skips it. */
-static int scan_all(host_scan *scan, char close, host_scan_member member, host_scan_value element, void *context)
+/* Reads a list or an object: `member` for an object, `one` for a list; both NULL: skips it. */
+static int scan_all(host_scan *scan, char close, host_scan_member member, host_scan_value one, void *context)
 {
     char key[KEY_BYTES] = {0};
     size_t n = 0;
@@ -203,9 +203,7 @@ static int scan_all(host_scan *scan, char close, host_scan_member member, host_s
     while (host_scan_peek(scan) != close || n > 0) {
         if (close == '}' && (host_scan_text(scan, key, sizeof key, &n) != 0 || pass(scan, ':', "a colon") != 0))
             return -1;
-        result = member != NULL    ? member(scan, key, context)
-                 : element != NULL ? element(scan, context)
-                                   : host_scan_skip(scan);
+        result = member != NULL ? member(scan, key, context) : one != NULL ? one(scan, context) : host_scan_skip(scan);
         if (result != 0)
             return -1;
         if (host_scan_peek(scan) == close)
@@ -219,10 +217,9 @@ static int scan_all(host_scan *scan, char close, host_scan_member member, host_s
     return 0;
 }
 
-int host_scan_object(host_scan *scan, host_scan_member each, void *context)
+int host_scan_object(host_scan *in, host_scan_member each, void *to)
 {
-    return host_scan_peek(scan) == '{' ? scan_all(scan, '}', each, NULL, context)
-                                       : host_scan_fail(scan, "an object in braces");
+    return host_scan_peek(in) == '{' ? scan_all(in, '}', each, NULL, to) : host_scan_fail(in, "an object in braces");
 }
 
 static int read_member(host_scan *scan, const char *key, void *context)
@@ -241,10 +238,9 @@ static int read_member(host_scan *scan, const char *key, void *context)
 
 int host_scan_struct(host_scan *scan, host_scan_members *to) { return host_scan_object(scan, read_member, to); }
 
-int host_scan_list(host_scan *scan, host_scan_value each, void *context)
+int host_scan_list(host_scan *in, host_scan_value each, void *to)
 {
-    return host_scan_peek(scan) == '[' ? scan_all(scan, ']', NULL, each, context)
-                                       : host_scan_fail(scan, "a list in brackets");
+    return host_scan_peek(in) == '[' ? scan_all(in, ']', NULL, each, to) : host_scan_fail(in, "a list in brackets");
 }
 
 int host_scan_skip(host_scan *scan)

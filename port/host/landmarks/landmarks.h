@@ -71,8 +71,7 @@ int host_points_fit(const host_points *points, const char *path, host_error *err
 /* Writes the points in the path's format into the buffer, which stores failure. */
 void host_points_write(const host_points *points, const char *path, host_buffer *out);
 
-/* Writes a point's label and the tail as a field of a CSV table, in quotes where it needs them; without a label the
- * point's number, from 1. */
+/* Writes a point's label, or its number from 1, and the tail as a field of a CSV table, quoted where it needs it. */
 void host_points_put_name(const host_points *points, uint32_t i, const char *tail, host_buffer *out);
 
 void host_points_free(host_points *points);

@@ -22,8 +22,7 @@ typedef struct table {
     int rows, header;           /* rows with landmarks; 1: a header line was read */
 } table;
 
-/* Splits at commas outside quotes; keeps the quotes around a field. Returns the number of fields, of which the first
- * FIELDS_MAX are stored. */
+/* Splits at commas outside quotes; keeps the quotes around a field. Returns how many; stores FIELDS_MAX. */
 static size_t split(host_word line, host_word *fields)
 {
     const char *const end = line.start + line.n;
@@ -255,19 +254,18 @@ int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t
 }
 
 /* What a set of landmarks refuses of a label. */
-static int check_label(const host_landmarks *landmarks, host_error *error, uint32_t line, host_word label)
+static int check_label(const host_landmarks *landmarks, host_error *error, uint32_t line, host_word w)
 {
     if (landmarks->n == HOST_LANDMARKS_MAX)
         return host_fail_at(error, "line", line, "at most %u landmarks", HOST_LANDMARKS_MAX);
-    if (label.n == 0)
+    if (w.n == 0)
         return host_fail_at(error, "line", line, "a landmark with a label");
-    if (label.n >= HOST_LABEL_BYTES)
-        return host_fail_at(error, "line", line, "a label of at most %u bytes, found %zu", HOST_LABEL_BYTES - 1u,
-                            label.n);
-    if (memchr(label.start, '\0', label.n) != NULL)
+    if (w.n >= HOST_LABEL_BYTES)
+        return host_fail_at(error, "line", line, "a label of at most %u bytes, found %zu", HOST_LABEL_BYTES - 1u, w.n);
+    if (memchr(w.start, '\0', w.n) != NULL)
         return host_fail_at(error, "line", line, "a label without NUL");
     for (uint32_t i = 0; i < landmarks->n; i++)
-        if (host_word_is(label, landmarks->label[i]))
+        if (host_word_is(w, landmarks->label[i]))
             return host_fail_at(error, "line", line, "each label once, found a second \"%s\"", landmarks->label[i]);
     return 0;
 }

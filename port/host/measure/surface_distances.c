@@ -150,13 +150,12 @@ void host_samples_free(host_samples *samples)
 }
 
 /* The normal of a triangle, not normalised. */
-static void normal_of(const float *xyz, const uint32_t *triangle, double n[3])
+static void normal_of(const float *xyz, const uint32_t *at, double n[3])
 {
     double e[2][3];
     for (int k = 0; k < 2; k++)
         for (int i = 0; i < 3; i++)
-            e[k][i] = (double)xyz[3u * (size_t)triangle[k + 1] + (size_t)i] -
-                      (double)xyz[3u * (size_t)triangle[0] + (size_t)i];
+            e[k][i] = (double)xyz[3u * (size_t)at[k + 1] + (size_t)i] - (double)xyz[3u * (size_t)at[0] + (size_t)i];
     for (int i = 0; i < 3; i++)
         n[i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
 }

@@ -44,15 +44,14 @@ int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triang
     return result;
 }
 
-int host_reader_vertex(host_mesh_reader *reader, const double *xyz)
+int host_reader_vertex(host_mesh_reader *r, const double *xyz)
 {
-    host_mesh *const mesh = reader->mesh;
+    host_mesh *const mesh = r->mesh;
     const double limit = (double)SMR_COORD_MAX;
     for (int i = 0; i < 3; i++)
         if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
-            return host_reader_fail(reader, "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
-    if (mesh->n_vertices >= reader->vertex_capacity &&
-        host_reader_reserve(reader, (size_t)mesh->n_vertices + 1u, 0) != 0)
+            return host_reader_fail(r, "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
+    if (mesh->n_vertices >= r->vertex_capacity && host_reader_reserve(r, (size_t)mesh->n_vertices + 1u, 0) != 0)
         return -1;
     float *to = mesh->xyz + 3u * (size_t)mesh->n_vertices;
     for (int i = 0; i < 3; i++)
@@ -78,11 +77,10 @@ int host_reader_normal(host_mesh_reader *reader, const double *normal)
     return 0;
 }
 
-int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c)
+int host_reader_triangle(host_mesh_reader *r, uint32_t a, uint32_t b, uint32_t c)
 {
-    host_mesh *const mesh = reader->mesh;
-    if (mesh->n_triangles >= reader->triangle_capacity &&
-        host_reader_reserve(reader, 0, (size_t)mesh->n_triangles + 1u) != 0)
+    host_mesh *const mesh = r->mesh;
+    if (mesh->n_triangles >= r->triangle_capacity && host_reader_reserve(r, 0, (size_t)mesh->n_triangles + 1u) != 0)
         return -1;
     uint32_t *to = mesh->triangles + 3u * (size_t)mesh->n_triangles;
     to[0] = a;

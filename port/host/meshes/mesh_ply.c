@@ -86,15 +86,14 @@ static int read_element(const host_mesh_reader *reader, host_text *line, host_pl
 }
 
 /* The role of a property: see host_ply_property. */
-static int role_of(int kind, const host_ply_property *property, host_word name)
+static int role_of(int kind, const host_ply_property *property, host_word w)
 {
     const int list = property->count_type != HOST_TYPE_NONE;
-    if (kind == HOST_PLY_VERTEX && !list && name.n == 1 && name.start[0] >= 'x' && name.start[0] <= 'z')
-        return name.start[0] - 'x';
-    if (kind == HOST_PLY_VERTEX && !list && name.n == 2 && name.start[0] == 'n' && name.start[1] >= 'x' &&
-        name.start[1] <= 'z')
-        return 3 + name.start[1] - 'x';
-    if (kind == HOST_PLY_FACE && list && (host_word_is(name, "vertex_indices") || host_word_is(name, "vertex_index")))
+    if (kind == HOST_PLY_VERTEX && !list && w.n == 1 && w.start[0] >= 'x' && w.start[0] <= 'z')
+        return w.start[0] - 'x';
+    if (kind == HOST_PLY_VERTEX && !list && w.n == 2 && w.start[0] == 'n' && w.start[1] >= 'x' && w.start[1] <= 'z')
+        return 3 + w.start[1] - 'x';
+    if (kind == HOST_PLY_FACE && list && (host_word_is(w, "vertex_indices") || host_word_is(w, "vertex_index")))
         return 0;
     return -1;
 }

@@ -173,7 +173,7 @@ static void print_group(size_t group, int command)
 int host_command_help(const char *name)
 {
     const host_command_text *c = host_command_texts;
-    char status[512];
+    char s[512];
     while (c < host_command_texts + host_command_count && strcmp(c->name, name) != 0)
         c++;
     if (c == host_command_texts + host_command_count)
@@ -187,10 +187,9 @@ int host_command_help(const char *name)
     }
     for (size_t i = 0; host_option_groups[i] != NULL; i++)
         print_group(i, c->command);
-    (void)snprintf(status, sizeof status, "Exit status: %s%s%s.", host_status_text, c->status[0] == '\0' ? "" : "; ",
-                   c->status);
+    (void)snprintf(s, sizeof s, "Exit status: %s%s%s.", host_status_text, c->status[0] == '\0' ? "" : "; ", c->status);
     (void)printf("\n");
-    host_print_wrapped(0, 0, status);
+    host_print_wrapped(0, 0, s);
     return 0;
 }
 
@@ -211,18 +210,17 @@ static int is_said(const host_option *o, const host_command_text *command)
     return 0;
 }
 
-static void print_new_options(const host_command_text *command)
+static void print_new_options(const host_command_text *c)
 {
     size_t n = 0;
     for (size_t group = 0; host_option_groups[group] != NULL; group++)
         for (size_t i = 0; i < host_option_count; i++) {
             const host_option *const o = &host_option_table[i];
-            if ((o->commands & command->command) == 0 || host_option_group(o, command->command) != group ||
-                is_said(o, command))
+            if ((o->commands & c->command) == 0 || host_option_group(o, c->command) != group || is_said(o, c))
                 continue;
             if (n++ == 0)
-                (void)printf("\n%s:\n", command->name);
-            print_option(o, command->command);
+                (void)printf("\n%s:\n", c->name);
+            print_option(o, c->command);
         }
 }
 

@@ -13,14 +13,13 @@
 #define RATIO_LEAST 0.1 /* as smr_set_volume_ratio() has it */
 #define RATIO_MOST 10.0
 
-int host_volume_ratio_split(const char *word, size_t *name, double *ratio)
+int host_volume_ratio_split(const char *word, size_t *name, double *to)
 {
     const char *const equals = strrchr(word, '=');
     if (equals == NULL || equals == word)
         return 0;
     *name = (size_t)(equals - word);
-    return host_word_double((host_word){equals + 1, strlen(equals + 1)}, ratio) && *ratio >= RATIO_LEAST &&
-           *ratio <= RATIO_MOST;
+    return host_word_double((host_word){equals + 1, strlen(equals + 1)}, to) && *to >= RATIO_LEAST && *to <= RATIO_MOST;
 }
 
 /* 1 where an earlier word has the same name. */
@@ -163,7 +162,7 @@ static int check_needs(host_options *options, host_error *error)
 static int check_landmark_goals(host_options *options, host_error *error)
 {
     const char *const text = options->landmark_weight;
-    double weight = 1.0;
+    double w = 1.0;
     if (options->landmark_goals.n != 0 && options->landmark_goals.n != 2)
         return host_fail_of(error, "--landmark-goals", "files",
                             "two of them, the model's landmarks and where they are now");
@@ -171,11 +170,10 @@ static int check_landmark_goals(host_options *options, host_error *error)
     if (text != NULL && options->landmark_goals.n == 0)
         return host_fail(error, "option", "--landmark-goals beside it");
     if (text != NULL && strcmp(text, "hard") == 0)
-        weight = 0.0;
-    else if (text != NULL &&
-             (!host_word_double((host_word){text, strlen(text)}, &weight) || weight < 0.001 || weight > 1000.0))
+        w = 0.0;
+    else if (text != NULL && (!host_word_double((host_word){text, strlen(text)}, &w) || w < 0.001 || w > 1000.0))
         return host_fail(error, text, "a number of at least 0.001 and at most 1000, or hard");
-    options->goal_weight = (float)weight;
+    options->goal_weight = (float)w;
     if (options->landmark_goals.n == 0 || options->landmarks.n != 0)
         return 0;
     if (!host_option_given(options, "--align"))
@@ -188,11 +186,10 @@ static int check_landmark_goals(host_options *options, host_error *error)
 
 /* Nothing is packed but label maps, and a plain file with a packed one's name cannot be read back. Points, fields,
  * volumes, label maps and scenes go by their extensions, which are checked where they are written. */
-static int check_packed(const host_options *options, host_error *error)
+static int check_packed(const host_options *asked, host_error *error)
 {
-    const int is_file = (options->command & (HOST_BUILD | HOST_SUMMARY)) != 0;
-    const char *const path[] = {is_file ? options->out : NULL, options->overview, options->log, options->trace,
-                                options->save};
+    const int is_file = (asked->command & (HOST_BUILD | HOST_SUMMARY)) != 0;
+    const char *const path[] = {is_file ? asked->out : NULL, asked->overview, asked->log, asked->trace, asked->save};
     for (size_t i = 0; i < sizeof path / sizeof path[0]; i++)
         if (path[i] != NULL && host_is_packed_name(path[i]))
             return host_fail_of(error, path[i], "name", "one without .gz, for what is written there is not packed");

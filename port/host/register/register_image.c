@@ -172,7 +172,7 @@ static void blame_truth(const host_job *job, host_error *error)
 }
 
 /* A file for each structure, in a directory. */
-static int load_truth_files(host_job *job, host_error *error)
+static int load_truths(host_job *job, host_error *error)
 {
     const uint32_t n = job->model.n_parts;
     host_load *loads = calloc(n, sizeof *loads);
@@ -211,8 +211,7 @@ int host_job_load_truth(host_job *job, host_error *error)
     error->file = "--truth";
     if (job->options->truth == NULL)
         return 0;
-    result =
-        host_is_volume_path(job->options->truth) ? host_job_load_truth_map(job, error) : load_truth_files(job, error);
+    result = host_is_volume_path(job->options->truth) ? host_job_load_truth_map(job, error) : load_truths(job, error);
     job->measure_s += host_seconds() - start;
     return result;
 }
@@ -221,17 +220,16 @@ int host_job_load_truth(host_job *job, host_error *error)
 static void doubt_pairs(host_job *job, const host_landmarks *set, const float *from, const float *to)
 {
     const host_landmark_doubt doubt = host_landmarks_agree(from, to, job->n_landmarks);
-    char *const text = job->landmark_doubt;
+    char *const out = job->landmark_doubt;
     const size_t bytes = sizeof job->landmark_doubt;
     if (doubt.kind == HOST_LANDMARKS_SWAPPED)
-        (void)snprintf(text, bytes, "landmarks \"%s\" and \"%s\" fit far better exchanged: look at their labels",
+        (void)snprintf(out, bytes, "landmarks \"%s\" and \"%s\" fit far better exchanged: look at their labels",
                        set->label[doubt.first], set->label[doubt.second]);
     else if (doubt.kind == HOST_LANDMARK_OFF)
-        (void)snprintf(text, bytes, "landmark \"%s\" is %.0f mm from where the others put it: look at its place",
+        (void)snprintf(out, bytes, "landmark \"%s\" is %.0f mm from where the others put it: look at its place",
                        set->label[doubt.first], doubt.off_mm);
     else if (doubt.kind == HOST_LANDMARKS_APART)
-        (void)snprintf(text, bytes,
-                       "the landmarks do not fit by %.0f mm: look whether both sets are of the same places",
+        (void)snprintf(out, bytes, "the landmarks do not fit by %.0f mm: look whether both sets are of the same places",
                        doubt.off_mm);
     if (job->options->align != HOST_ALIGN_RIGID)
         job->start_scale = doubt.scale;

@@ -62,8 +62,8 @@ int host_job_measure_contact(struct host_job *job, host_error *error);
  * 0, or -1 with the error filled. */
 int host_job_contact_left(struct host_job *job, float *left_mm, host_error *error);
 
-/* How deep surfaces may still lie in each other for a good result, mm: less where they keep a distance; any depth where
- * contact is off. */
+/* How deep surfaces may still lie in each other for a good result, mm: less where they keep a distance; any without
+ * contact. */
 float host_contact_bound(const struct host_job *job);
 
 /* The name of a pair's surface. */

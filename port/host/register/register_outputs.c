@@ -182,14 +182,13 @@ static int fill_displacement(const host_job *job, uint32_t part, float *displace
 
 /* What is known of the vertices: error[3]: expected error, across, along. Where the start was kept that is of what was
  * rejected: nothing of these. */
-static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, float *const error[3], float *volume)
+static int fill_known(const host_job *job, uint32_t k, unsigned char *seen, float *const error[3], float *volume)
 {
-    if (smr_get_visible(job->state, part, seen) != SMR_OK ||
-        smr_get_expected_error(job->state, part, error[0]) != SMR_OK ||
-        smr_get_expected_parts(job->state, part, error[1], error[2]) != SMR_OK ||
-        smr_get_local_volume(job->state, part, 0, volume) != SMR_OK)
+    if (smr_get_visible(job->state, k, seen) != SMR_OK || smr_get_expected_error(job->state, k, error[0]) != SMR_OK ||
+        smr_get_expected_parts(job->state, k, error[1], error[2]) != SMR_OK ||
+        smr_get_local_volume(job->state, k, 0, volume) != SMR_OK)
         return -1;
-    for (uint32_t i = 0; job->kept_start && i < job->result[part].mesh.n_vertices; i++) {
+    for (uint32_t i = 0; job->kept_start && i < job->result[k].mesh.n_vertices; i++) {
         seen[i] = 0;
         error[0][i] = error[1][i] = error[2][i] = -1.0f;
         volume[i] = 1.0f;

@@ -21,16 +21,15 @@ static uint32_t part_of(const host_job *job, const char *word, size_t n)
 /* Asks the registration for them. 0, or -1 with the error filled: no such structure, or one that encloses no volume. */
 static int host_volume_ratios_set(const host_job *job, host_error *error)
 {
-    const host_files *const words = &job->options->volume_ratio;
-    for (uint32_t i = 0; i < words->n; i++) {
+    const host_files *const w = &job->options->volume_ratio;
+    for (uint32_t i = 0; i < w->n; i++) {
         size_t name = 0;
         double ratio = 0.0;
         error->file = "--volume-ratio";
-        if (!host_volume_ratio_split(words->path[i], &name, &ratio) ||
-            part_of(job, words->path[i], name) == job->model.n_parts)
-            return host_fail(error, words->path[i], "the name of a structure of the model");
-        if (smr_set_volume_ratio(job->state, part_of(job, words->path[i], name), (float)ratio) != SMR_OK)
-            return host_fail(error, words->path[i], "a structure that is closed: each edge has two triangles");
+        if (!host_volume_ratio_split(w->path[i], &name, &ratio) || part_of(job, w->path[i], name) == job->model.n_parts)
+            return host_fail(error, w->path[i], "the name of a structure of the model");
+        if (smr_set_volume_ratio(job->state, part_of(job, w->path[i], name), (float)ratio) != SMR_OK)
+            return host_fail(error, w->path[i], "a structure that is closed: each edge has two triangles");
     }
     error->file = NULL;
     return 0;

@@ -145,15 +145,14 @@ void host_report_contact(const host_job *job, host_json *json)
 #define OTHERS 0.005f /* of the target: more is said */
 
 /* The verdict in words, and what it is made of. */
-static void print_verdict(const host_verdict *verdict)
+static void print_verdict(const host_verdict *v)
 {
-    (void)printf("verdict: %s",
-                 verdict->level == HOST_VERDICT_LOOK ? "look at the result" : host_verdict_name(verdict->level));
-    for (uint32_t i = 0; i < verdict->n_reasons; i++)
-        (void)printf("%s%s", i == 0 ? ": " : "; ", verdict->reason[i]);
-    (void)printf(" (probability %.2f", verdict->probability);
-    if (verdict->expected_error_mm >= 0.0 && verdict->level != HOST_VERDICT_FAILED)
-        (void)printf(", expected error %.2f mm", verdict->expected_error_mm);
+    (void)printf("verdict: %s", v->level == HOST_VERDICT_LOOK ? "look at the result" : host_verdict_name(v->level));
+    for (uint32_t i = 0; i < v->n_reasons; i++)
+        (void)printf("%s%s", i == 0 ? ": " : "; ", v->reason[i]);
+    (void)printf(" (probability %.2f", v->probability);
+    if (v->expected_error_mm >= 0.0 && v->level != HOST_VERDICT_FAILED)
+        (void)printf(", expected error %.2f mm", v->expected_error_mm);
     (void)printf(")\n");
 }
 

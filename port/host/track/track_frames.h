@@ -20,8 +20,7 @@ typedef struct host_frames {
     uint32_t n;
 } host_frames;
 
-/* Finds the files of each frame. Names of frames differ. 0, or -1 with the error filled; host_frames_free() in both
- * cases. */
+/* Finds the files of each frame. Names of frames differ. 0, or -1 with the error filled; always host_frames_free(). */
 int host_frames_list(const host_files *paths, host_frames *frames, host_error *error);
 void host_frames_free(host_frames *frames);
 

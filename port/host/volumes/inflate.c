@@ -261,27 +261,26 @@ static uint32_t crc32(const unsigned char *data, size_t n)
 }
 
 /* Bytes of the gzip header; 0 when it is invalid. */
-static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
+static size_t header_bytes(const unsigned char *d, size_t n, int *gzip)
 {
     size_t at = 10;
-    *gzip = n >= 10u && data[0] == 0x1f && data[1] == 0x8b;
+    *gzip = n >= 10u && d[0] == 0x1f && d[1] == 0x8b;
     if (!*gzip)
-        return n >= 2u && (data[0] & 15u) == 8u && (data[0] * 256u + data[1]) % 31u == 0 && (data[1] & 32u) == 0 ? 2u
-                                                                                                                 : 0u;
-    if (data[2] != 8u || (data[3] & 0xe0u) != 0)
+        return n >= 2u && (d[0] & 15u) == 8u && (d[0] * 256u + d[1]) % 31u == 0 && (d[1] & 32u) == 0 ? 2u : 0u;
+    if (d[2] != 8u || (d[3] & 0xe0u) != 0)
         return 0;
-    if ((data[3] & 4u) != 0) { /* an extra field, after its size */
+    if ((d[3] & 4u) != 0) { /* an extra field, after its size */
         if (n < 12u)
             return 0;
-        at += 2u + data[10] + 256u * (size_t)data[11];
+        at += 2u + d[10] + 256u * (size_t)d[11];
     }
     for (int field = 8; field <= 16; field *= 2) /* a name and a comment, each up to a NUL */
-        if ((data[3] & field) != 0) {
-            while (at < n && data[at] != 0)
+        if ((d[3] & field) != 0) {
+            while (at < n && d[at] != 0)
                 at++;
             at++;
         }
-    at += (data[3] & 2u) != 0 ? 2u : 0u; /* a checksum of the header */
+    at += (d[3] & 2u) != 0 ? 2u : 0u; /* a checksum of the header */
     return at < n ? at : 0u;
 }
 

@@ -50,7 +50,7 @@ int host_volume_set_size(host_volume_reader *reader, const char *place, const in
     return 0;
 }
 
-static double determinant(const double a[3][3])
+double host_determinant(const double a[3][3])
 {
     return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
@@ -86,7 +86,7 @@ int host_volume_set_geometry(host_volume_reader *to, const char *at, const doubl
         for (int i = 0; i < 3; i++)
             unit[j][i] = steps[j][i] / mm;
     }
-    if (!(fabs(determinant((const double(*)[3])unit)) > FLAT))
+    if (!(fabs(host_determinant((const double(*)[3])unit)) > FLAT))
         return host_fail(to->error, at, "three axes that do not lie in one plane");
     if (!box_is_near(volume, steps, origin)) {
         (void)snprintf(text, sizeof text, "a volume within +-%.0f mm", (double)SMR_COORD_MAX);

@@ -225,24 +225,23 @@ static int read_header(host_volume_reader *reader, meta_header *header, host_tex
     return 0;
 }
 
-static int locate(host_volume_reader *reader, const meta_header *header, const host_text *text)
+static int locate(host_volume_reader *reader, const meta_header *h, const host_text *text)
 {
     reader->data = (const unsigned char *)text->at;
     reader->n = (size_t)(text->end - text->at);
-    reader->byte_skip = header->header_bytes;
-    reader->big_endian = header->big_endian;
-    if (!header->binary)
+    reader->byte_skip = h->header_bytes;
+    reader->big_endian = h->big_endian;
+    if (!h->binary)
         reader->encoding = HOST_ENCODING_TEXT;
-    else if (header->packed)
+    else if (h->packed)
         reader->encoding = HOST_ENCODING_DEFLATE;
-    if (!host_word_is_nocase(header->file, "LOCAL") &&
-        host_volume_read_detached(reader, "ElementDataFile", header->file) != 0)
+    if (!host_word_is_nocase(h->file, "LOCAL") && host_volume_read_detached(reader, "ElementDataFile", h->file) != 0)
         return -1;
-    if (header->packed && (uint64_t)header->packed_bytes > reader->n)
+    if (h->packed && (uint64_t)h->packed_bytes > reader->n)
         return host_fail(reader->error, "CompressedDataSize", "at most the file's %zu bytes, found %lld", reader->n,
-                         (long long)header->packed_bytes);
-    if (header->packed && header->header_bytes > 0) { /* the skipped bytes are not part of the stream */
-        const size_t skip = (uint64_t)header->header_bytes < reader->n ? (size_t)header->header_bytes : reader->n;
+                         (long long)h->packed_bytes);
+    if (h->packed && h->header_bytes > 0) { /* the skipped bytes are not part of the stream */
+        const size_t skip = (uint64_t)h->header_bytes < reader->n ? (size_t)h->header_bytes : reader->n;
         reader->data += skip;
         reader->n -= skip;
         reader->byte_skip = 0;

@@ -128,13 +128,11 @@ static void place_by_rows(const nifti_header *header, double steps[3][3], double
     }
 }
 
-/* Axes from the unit quaternion (a, b, c, d). The file has no a, which is >= 0. qfac = pixdim[0] < 0 reverses the third
- * axis. */
-static void place_by_quaternion(const nifti_header *head, const double spacing[3], double steps[3][3], double origin[3])
+/* Axes from the unit quaternion (a, b, c, d). The file has no a, it is >= 0. qfac = pixdim[0] < 0 reverses axis 3. */
+static void place_by_quaternion(const nifti_header *h, const double spacing[3], double steps[3][3], double origin[3])
 {
-    const double qfac = read_float(head, AT_PIXDIM) < 0.0 ? -1.0 : 1.0;
-    double b = read_float(head, AT_QUATERNION), c = read_float(head, AT_QUATERNION + 4),
-           d = read_float(head, AT_QUATERNION + 8);
+    const double qfac = read_float(h, AT_PIXDIM) < 0.0 ? -1.0 : 1.0;
+    double b = read_float(h, AT_QUATERNION), c = read_float(h, AT_QUATERNION + 4), d = read_float(h, AT_QUATERNION + 8);
     double a = 1.0 - (b * b + c * c + d * d);
     if (a < 1e-7) { /* a rotation by 180 degrees, rounded; NaN passes and is refused with the axes */
         const double length = sqrt(b * b + c * c + d * d);
@@ -158,7 +156,7 @@ static void place_by_quaternion(const nifti_header *head, const double spacing[3
         steps[0][i] *= spacing[0];
         steps[1][i] *= spacing[1];
         steps[2][i] *= spacing[2] * qfac;
-        origin[i] = read_float(head, AT_QOFFSET + 4 * i);
+        origin[i] = read_float(h, AT_QOFFSET + 4 * i);
     }
 }
 

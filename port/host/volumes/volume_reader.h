@@ -55,8 +55,7 @@ int host_read_metaimage(host_volume_reader *reader, const unsigned char *data, s
 int host_read_nifti(host_volume_reader *reader, const unsigned char *data, size_t n);
 int host_read_nrrd(host_volume_reader *reader, const unsigned char *data, size_t n);
 
-/* Unpacks one zlib or gzip stream, which must give exactly out_n bytes, and checks its checksum. Returns NULL, or what
- * was expected. */
+/* Unpacks a zlib or gzip stream of exactly out_n bytes and checks its checksum. Returns NULL, or what was expected. */
 const char *host_inflate(const unsigned char *data, size_t n, unsigned char *out, size_t out_n);
 
 #endif

@@ -109,17 +109,17 @@ void host_volume_to_index(const host_volume *v, double out[9])
         out[i] /= det;
 }
 
-int host_volume_around(const float low[3], const float high[3], float margin, const float spacing[3], host_volume *grid)
+int host_volume_around(const float low[3], const float high[3], float edge, const float spacing[3], host_volume *grid)
 {
     double voxels = 1.0;
     memset(grid, 0, sizeof *grid);
     for (uint32_t k = 0; k < 3; k++) {
-        const double n = ceil(((double)high[k] - (double)low[k] + 2.0 * (double)margin) / (double)spacing[k]) + 1.0;
+        const double n = ceil(((double)high[k] - (double)low[k] + 2.0 * (double)edge) / (double)spacing[k]) + 1.0;
         voxels *= n;
         if (!(n >= 1.0 && n <= SIDE_MAX))
             return -1;
         grid->size[k] = (uint32_t)n;
-        grid->origin[k] = low[k] - margin;
+        grid->origin[k] = low[k] - edge;
         grid->spacing[k] = spacing[k];
         grid->direction[4u * k] = 1.0f;
     }

@@ -32,6 +32,9 @@ int host_volume_read_layers(const char *path, host_volume *to, uint32_t *layers,
 
 void host_volume_free(host_volume *volume);
 
+/* The sign says whether the matrix mirrors. */
+double host_determinant(const double m[3][3]);
+
 /* Negates one world coordinate (0..2) of the geometry. The voxels' order in memory stays. */
 void host_volume_mirror(host_volume *volume, int axis);
 
@@ -62,8 +65,7 @@ typedef struct host_image {
     size_t bytes;       /* bytes of the voxels */
 } host_image;
 
-/* Reads an image. mirror: HOST_MIRROR_..., applied to its geometry. 0, or -1 with the error filled and the image
- * empty. */
+/* Reads an image. mirror: HOST_MIRROR_..., of its geometry. 0, or -1 with the error filled and the image empty. */
 int host_image_read(const char *path, int mirror, host_image *image, host_error *error);
 
 /* Frees the image, which may be empty. */
