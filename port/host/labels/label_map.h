@@ -75,7 +75,7 @@ int host_labels_take_segments(host_label_map *map, const host_buffer *keys, host
  * value behind it. */
 int host_labels_settle_names(host_label_map *map, const host_names *names, host_error *error);
 
-/* Copies a text as a name. Characters that no name may have become '_', as a first dot. 0, or -1: empty, too long. */
+/* Copies a text as a name. What no name may have becomes '_', a first dot too. 0, or -1 when empty or too long. */
 int host_label_name(const char *text, size_t n, char name[SMR_NAME_BYTES]);
 
 /* The label that has this name once its characters are those of a name, or NULL. */

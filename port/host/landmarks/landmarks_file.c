@@ -22,7 +22,7 @@ typedef struct table {
     int rows, header;           /* rows with landmarks; 1: a header line was read */
 } table;
 
-/* Splits at commas outside quotes; keeps the quotes around a field. Returns how many; stores FIELDS_MAX. */
+/* Splits at commas outside quotes; keeps the quotes around a field. Returns how many; stores at most FIELDS_MAX. */
 static size_t split(host_word line, host_word *fields)
 {
     const char *const end = line.start + line.n;

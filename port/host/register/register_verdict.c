@@ -64,7 +64,7 @@ static void judge_run(const host_job *job, host_verdict *verdict)
                          100.0 * (double)job->last.progress);
 }
 
-/* What aligning the surfaces says against the pose it found. Where the given pose was kept, files say which it is. */
+/* What the alignment says against its pose. Where the given pose was kept, files say which of several it is. */
 static void judge_align(const smr_align_report *said, host_verdict *verdict)
 {
     if (said->n_alike > 1 && said->given == 0)

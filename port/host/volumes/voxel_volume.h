@@ -32,7 +32,7 @@ int host_volume_read_layers(const char *path, host_volume *to, uint32_t *layers,
 
 void host_volume_free(host_volume *volume);
 
-/* The sign says whether the matrix mirrors. */
+/* The determinant of a matrix: negative where the matrix mirrors. */
 double host_determinant(const double m[3][3]);
 
 /* Negates one world coordinate (0..2) of the geometry. The voxels' order in memory stays. */
