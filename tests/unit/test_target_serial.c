@@ -233,8 +233,9 @@ TEST(test_pose)
 /* A finished schedule never follows goals that come later: no result is good on them, whatever was measured before. */
 TEST(test_goals_after_the_end)
 {
-    const scene e = make(SMR_TRACK_OFF);
-    const smr_mesh near = moved(&e.source, 1, 1), away = moved(&e.source, 0, 60);
+    scene e = make(SMR_TRACK_OFF);
+    const smr_mesh near = turned(&e.source, 1, 1), away = turned(&e.source, 0, 60);
+    e.config.caller.goals = 1;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_goals(s, 0, near.xyz, NULL));
     assert_true(rig_run(s, 1000).done && verdict_of(s).level == SMR_VERDICT_GOOD);
@@ -247,7 +248,7 @@ TEST(test_pose_without_forces)
 {
     for (uint32_t noise = 0; noise < 2u; noise++) {
         scene e = make(SMR_TRACK_OFF);
-        const smr_mesh there = moved(&e.source, 0, noise ? 0.5f : 0.0f);
+        const smr_mesh there = turned(&e.source, 0, noise ? 0.5f : 0.0f);
         smr_pose pose;
         smr_tick_report r = {0};
         uint32_t repairs = 0;
