@@ -116,7 +116,7 @@ static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
     return p->count[p->priority.witness[v]];
 }
 
-/* Returns m_v, the smallest |zeta_j| of all j in zeta_v, and makes that j the witness of v. Row 0 then holds zeta_v. */
+/* Returns m_v: the smallest cluster size |zeta_j| of j in v's cluster zeta_v; j is v's witness. Row 0 holds zeta_v. */
 static uint32_t scan(smr_plan *p, uint32_t v, float radius)
 {
     uint64_t *const row = smr_plan_row(p, 0);

@@ -55,7 +55,7 @@ static const struct {
     [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.6f, 3.0f, 17.0f, 1.0f},       /* expected error with a partial target, mm */
     [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error / bend */
     [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
-    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* uncovered share; model wholly visible */
+    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* uncovered share, if all is visible */
     [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* uncovered share; model partly visible */
     [STRAYS] = {SMR_REASON_UNCOVERED, 0.35f, 0.5f, 0.8f, 1.0f},          /* share of outliers in a cloud's points */
     [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* area share with disagreeing normals */

@@ -23,7 +23,7 @@ typedef struct sweep {
 
 /* A crossing of a line with a surface. */
 typedef struct crossing {
-    float at; /* position along the line, mm */
+    float at; /* the crossing's position on its line, mm */
     int turn; /* 1: into surface a; -1: out of a; 2: into b; -2: out of b */
 } crossing;
 

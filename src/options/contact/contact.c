@@ -278,7 +278,7 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
             other = smr_add(other, smr_scale(displaced(ctx, t[k]), touch[i].weight[k]));
             heavy += touch[i].weight[k] * smr_mass(c->shared, t[k]);
         }
-        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* 0..1: heavier sides move less */
+        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* v's part of the motion, 0..1 */
         const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, moved), other);
         const float missing = smr_positive(c->shared->config.contact.gap_mm - touch[i].mm - smr_dot(out, apart));
         moved = smr_add(moved, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));

@@ -48,8 +48,8 @@ typedef struct smr_contact {
     smr_touch *triangle_touch; /* [n_triangles] contact of each triangle's centre, where triangles_due is 1 */
     uint32_t triangles_due;    /* 1: this iteration also tests triangles' centres */
     float *push;               /* [n][3] displacement that ends penetration, added to each vertex' force, mm */
-    float *reach;              /* [n] least possible distance to bodies, mm, in the last complete forces; < 0: inside */
-    float *reach_next;         /* [n] least possible distance to bodies, mm, in the current forces */
+    float *reach;              /* [n] lower bound on the distance to bodies, mm, by the last forces; < 0: inside */
+    float *reach_next;         /* [n] lower bound on the distance to bodies, mm, by the forces under way */
 } smr_contact;
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);

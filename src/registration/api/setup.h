@@ -18,7 +18,7 @@ void smr_take_goals(smr_surface_goals *g); /* lists the distinct targets in g->g
 void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last);
 /* copies size and checksum of the target of structure `other` */
 void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
-/* gives a structure, or SMR_ALL, a surface or a cloud, as smr_set_surface() and smr_set_points() */
+/* sets the target of a structure or of SMR_ALL, for smr_set_surface() and smr_set_points() */
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
 
 /* Checks whether an input may be set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick runs). */
@@ -68,7 +68,7 @@ void smr_go_over(smr *s, smr_keeper *k); /* counts, saves, checks or restores al
 /* restore_awaited_inputs.c: saves checksums of the caller's inputs, and which structures share a surface. */
 void smr_keep_inputs(smr_arena *a, smr *s);
 int smr_can_wait(const smr_shared *c);  /* 0: no memory for the list of awaited inputs: a forged model */
-int smr_awaits_log(const smr_log *log); /* 1: the log's memory is awaited */
+int smr_awaits_log(const smr_log *log); /* 1: restored without the log's memory, which must be set */
 
 /* Sets an awaited input `what` of this kind (SMR_LOG_...) and number (structure or index). Errors: as smr_set_...(). */
 smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what);

@@ -130,7 +130,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve, NULL),
     SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),
     SMR_STEP(PLAIN, FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
-    /* the number of active vertices is final: smoothing; contact; forces */
+    /* smooths and searches for contact of the active vertices, whose number is now final; then computes forces */
     SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
     SMR_STEP(CONTACT, FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
