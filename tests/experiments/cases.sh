@@ -41,9 +41,9 @@ group_thigh() {
     for seed in $(seq $(either all 10 3)); do off person $seed; done
     over off_person
     within off_person mean-person.mean 0.5 person.mean-mean 0.5 mean_most-person.mean 0.5 person.mean-mean_least 0.5
-    for x in 0.2 0.4 0.6 0.8 0.95; do into_thigh patient stiffness_$x --stiffness $x; within stiffness_$x mean 0.5; done
-    for x in 5 10 15 20; do into_thigh patient search_$x --search $x; within search_$x mean 0.5; done
-    for x in 20 40 60 80; do
+    for x in $(either all '0.2 0.4 0.6 0.8 0.95' '0.2 0.95'); do into_thigh patient stiffness_$x --stiffness $x; within stiffness_$x mean 0.5; done
+    for x in $(either all '5 10 15 20' '5 20'); do into_thigh patient search_$x --search $x; within search_$x mean 0.5; done
+    for x in $(either all '20 40 60 80' '20 80'); do
         into_thigh patient fixed_$x --active-enough 0 --active 0.$x
         within fixed_$x mean 0.5
         into_thigh patient growing_$x --active-enough 0 --active-first 0.$x

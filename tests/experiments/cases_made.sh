@@ -172,7 +172,7 @@ group_scene() {
         done
         rm -r case
     }
-    for seed in $(seq $(either short 1 3)); do for start in $(either short near 'near far'); do
+    for seed in $(seq $(either all 3 1)); do for start in $(either short near 'near far'); do
         beside femur $start $seed $v/femur.ply $v/hip_bone.ply
         full || continue
         beside hips $start $seed $c/hip_bone_right.ply $c/hip_bone_left.ply
@@ -182,7 +182,7 @@ group_scene() {
             beside thigh_$one $start $seed $v/$one.ply $(ls $v/*.ply | grep -v /$one.ply)
         done
     done; done
-    for bone in $(either short hip_bone 'femur hip_bone'); do for seed in $(seq $(either short 1 3)); do strays $bone $seed; done; done
+    for bone in $(either short hip_bone 'femur hip_bone'); do for seed in $(seq $(either all 3 1)); do strays $bone $seed; done; done
     for line in scene strays1 strays5 strays20 blob; do over $line; done
     bound 'scenes of neighbours that do not hold' scene.rows-scene.held_sum $(either short 0 2)
     for line in strays1 strays5 strays20 blob; do bound "$line: rows that do not hold" $line.rows-$line.held_sum 0; done

@@ -222,7 +222,7 @@ fill_from() { group=$1; shift; for section; do fill "$section" "$build/experimen
 part_ct() { experiments short ct && fill_from ct ct; }
 part_thigh() { experiments all thigh mri && fill_from thigh patient_spoiled person_spoiled shares methods && fill_from mri mri; }
 part_parts() { experiments all parts persons points && fill_from parts parts && fill_from persons parts && fill_from points points; }
-part_scene() { experiments full scene && fill_from scene scene; }
+part_scene() { experiments all scene && fill_from scene scene; }
 part_verdict() { experiments all verdict && fill_from verdict verdict; }
 part_track() { experiments all track && fill_from track track; }
 
