@@ -5,15 +5,15 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_DOUBT_GOOD 1.0f   /* sum of doubts below which a result is good */
-#define SMR_DOUBT_FAILED 5.0f /* sum of doubts above which a result has failed */
-#define SMR_DOUBT_ALONE 2.0f  /* largest sum of doubts when only coverage is low */
-#define SMR_DOUBT_MOST 10.0f  /* largest doubt by one measure */
-#define SMR_DOUBT_REASON 0.5f /* share of the largest doubt that makes a reason, if no measure is beyond its limit */
-#define SMR_MET_SHARE 0.98f   /* visible, covered and agreeing shares above which model and target meet both ways */
-#define SMR_PART_SHARE 0.8f   /* visible share of the model below which the target is partial */
-#define SMR_WHOLE_SHARE 0.95f /* visible share above which the model counts as wholly visible, for coverage */
-#define SMR_STRAIN_MOST 0.25f
+#define SMR_DOUBT_GOOD 1.0f     /* sum of doubts below which a result is good */
+#define SMR_DOUBT_FAILED 5.0f   /* sum of doubts above which a result has failed */
+#define SMR_DOUBT_ALONE 2.0f    /* largest sum of doubts when only coverage is low */
+#define SMR_DOUBT_MOST 10.0f    /* largest doubt by one measure */
+#define SMR_DOUBT_REASON 0.5f   /* share of the largest doubt that makes a reason, if no measure is beyond its limit */
+#define SMR_MET_SHARE 0.98f     /* visible, covered and agreeing shares above which model and target meet both ways */
+#define SMR_PART_SHARE 0.8f     /* visible share of the model below which the target is partial */
+#define SMR_WHOLE_SHARE 0.95f   /* visible share above which the model counts as wholly visible, for coverage */
+#define SMR_STRAIN_MOST 0.25f   /* largest plausible strain, whatever the noise */
 #define SMR_STRAIN_SMOOTH 0.15f /* largest plausible strain on a target without noise */
 #define SMR_STRAIN_NOISE 2.0f   /* strain by noise for a residual of one mean edge length; squares of strains add up */
 #define SMR_UNLIKE_MOST 0.3f    /* largest 1 less image similarity that is multiplied by the stretch */
@@ -159,7 +159,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
 static float doubt_of(uint32_t k, float measure, int met)
 {
     const float wider = met ? table[k].wider : 1.0f, limit = wider * table[k].limit, none = wider * table[k].none;
-    if (!(measure > none))
+    if (measure <= none) /* a measure that is no number gives the largest doubt */
         return 0.0f;
     if (measure < limit)
         return between(measure, none, limit, 0.0f, 1.0f);

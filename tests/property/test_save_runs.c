@@ -173,7 +173,7 @@ static void choose(run *r, uint32_t step, int timed)
     c->which = rig_random(&r->seed, c->kind == CALL_ACTIVE ? 500u : (c->kind == CALL_VOLUME ? 3u : SURFACES + 2u));
     c->budget = !timed || rig_random(&r->seed, 2) == 0u
                     ? 0u
-                    : (uint64_t)(500u + rig_random(&r->seed, 1000)) << rig_random(&r->seed, 18);
+                    : (uint64_t)(500u + rig_random(&r->seed, 1000)) << rig_random(&r->seed, 20);
     c->pose = (smr_pose){{{1, 0, 0, rig_between(&r->seed, -3, 3)}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     for (uint32_t i = 0; c->kind == CALL_POSITIONS && i < 3u * world.of.part[c->structure].n_vertices; i++)
         c->xyz[i] = world.of.part[c->structure].xyz[i] + rig_between(&r->seed, -1, 1);
@@ -403,7 +403,7 @@ TEST(test_saves)
             "%u images, %u cut iterations, %u logs; after it %u guarded and %u ended ticks\n",
             RUNS, met.polar, met.tracking, met.landmarks, met.surfaces, met.clouds, met.shared, met.images, met.cuts,
             met.logs, met.repairs, met.ended);
-    assert_true(met.surfaces > RUNS && met.shared > RUNS / 4u && met.images > RUNS / 8u && met.cuts > RUNS / 3u &&
+    assert_true(met.surfaces > RUNS && met.shared > RUNS / 4u && met.images > RUNS / 8u && met.cuts > RUNS / 2u &&
                 met.repairs > RUNS / 4u && met.ended > RUNS && met.tracking > 3u);
 }
 

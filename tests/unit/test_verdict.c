@@ -394,6 +394,10 @@ TEST(test_probability)
         }
         assert_true(before < SMR_PROBABILITY_GOOD);
     }
+    v = fair(0.9f, 1.0f);
+    v.residual_mm = NAN;
+    smr_judge(&v, 4.0f, 1, 0.0f);
+    assert_true(v.level == SMR_VERDICT_FAILED && v.reasons == SMR_REASON_RESIDUAL);
     v = fair(0.9f, 5.0f);
     v.rotation_deg = 14.5f;
     smr_judge(&v, 4.0f, 1, 0.0f);
