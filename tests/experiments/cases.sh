@@ -35,15 +35,15 @@ group_thigh() {
     within patient status 0 to 0.2 from 0.2 worst_to 0.5 worst_from 0.5 by_vertex 1.6 folds 0 1-started_landmarks_spline 0
     within person status 0 to 1 from 1 worst_to 5 worst_from 5 folds 10
     full || return 0
-    for seed in $(seq $(either all 20 6)); do off patient $seed; done
+    for seed in $(seq $(either all 20 2)); do off patient $seed; done
     over off_patient
     within off_patient mean-patient.mean 0.1 patient.mean-mean 0.1 mean_most 0.5
-    for seed in $(seq $(either all 10 3)); do off person $seed; done
+    for seed in $(seq $(either all 10 2)); do off person $seed; done
     over off_person
     within off_person mean-person.mean 0.5 person.mean-mean 0.5 mean_most-person.mean 0.5 person.mean-mean_least 0.5
     for x in $(either all '0.2 0.4 0.6 0.8 0.95' '0.2 0.95'); do into_thigh patient stiffness_$x --stiffness $x; within stiffness_$x mean 0.5; done
-    for x in $(either all '5 10 15 20' '5 20'); do into_thigh patient search_$x --search $x; within search_$x mean 0.5; done
-    for x in $(either all '20 40 60 80' '20 80'); do
+    for x in $(either all '5 10 15 20' 5); do into_thigh patient search_$x --search $x; within search_$x mean 0.5; done
+    for x in $(either all '20 40 60 80' 20); do
         into_thigh patient fixed_$x --active-enough 0 --active 0.$x
         within fixed_$x mean 0.5
         into_thigh patient growing_$x --active-enough 0 --active-first 0.$x
@@ -254,7 +254,7 @@ group_volume() {
     bound 'volumes at rest: distance' kept.mean kept.least+0.1
     names=$(either short femur 'femur sartorius vastus_lateralis gluteus_medius adductor_brevis')
     tool noisy noisy 1 7 $(for n in $names; do echo $truth/$n.ply; done)
-    for x in 0 0.5 $(either short '' '0.2 0.7'); do
+    for x in 0 0.5 $(either all '0.2 0.7' ''); do
         onto smooth_$x noisy --smooth $x
         for name in $names; do "$SMR" measure smooth_$x/$name.ply $truth/$name.ply; done |
             awk '/^A to B: mean/ { s += $5; n++ } END { print "clean", s / n }' | keep smooth_$x
