@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "golden_save.h"
 
+#include <string.h>
+
 static uint32_t last_word(const unsigned char *end)
 {
     return (uint32_t)end[-4] | (uint32_t)end[-3] << 8 | (uint32_t)end[-2] << 16 | (uint32_t)end[-1] << 24;
@@ -13,9 +15,12 @@ smr_status golden_interrupt(golden_saves *saves, const golden_inputs *inputs, sm
     const size_t left = saves->bytes - saves->used;
     smr_saved_info info;
     smr_config config;
-    smr_status status = saves->given ? SMR_OK : smr_save(*s, saved, left);
+    unsigned char *const made = saves->given ? inputs->arena : saved;
+    smr_status status = smr_save(*s, made, saves->given ? inputs->arena_bytes : left);
     if (status == SMR_OK)
         status = smr_save_info(saved, left, &info);
+    if (status == SMR_OK && memcmp(made, saved, info.bytes) != 0)
+        status = SMR_E_STATE;
     if (status != SMR_OK)
         return status;
     config = info.config;

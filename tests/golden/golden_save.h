@@ -9,7 +9,7 @@
 typedef struct golden_saves {
     unsigned char *memory;
     size_t bytes, used; /* of memory; of it so far */
-    uint32_t given;     /* 1: memory holds saves already, which may be of another processor; they are restored */
+    uint32_t given;     /* 1: memory holds another processor's saves: those made here must be equal, and go on */
     uint32_t checksums; /* of the saves, together */
 } golden_saves;
 
