@@ -27,7 +27,9 @@ fi
 export SMR_LIBRARY
 case " ${CFLAGS:-} " in
 *-fsanitize=*address*) # the interpreter's own leaks are not ours
-    preload=$($CC -print-file-name=libasan.so)
+    preload=libasan.so
+    case $($CC --version) in *clang*) preload=libclang_rt.asan-$(uname -m).so ;; esac
+    preload=$($CC -print-file-name=$preload)
     export ASAN_OPTIONS="${ASAN_OPTIONS:-}${ASAN_OPTIONS:+:}detect_leaks=0"
     run() { LD_PRELOAD=$preload "$python" "$@"; }
     run -c 'import ctypes; ctypes.CDLL(__import__("os").environ["SMR_LIBRARY"])' 2>/dev/null ||
