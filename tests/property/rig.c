@@ -388,9 +388,18 @@ void rig_rotation(float x, float y, float z, float degrees, float m[9])
         m[i] = (float)((i % 4u == 0u ? c : 0.0) + s * skew[i] + (1.0 - c) * u[i / 3u] * u[i % 3u]);
 }
 
+/* gcc before 14 defines names for what it instruments, clang has features. */
+#ifdef __has_feature
+#define RIG_SLOW (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RIG_SLOW 1
+#else
+#define RIG_SLOW 0
+#endif
+
 uint32_t rig_times(uint32_t n)
 {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if RIG_SLOW
     return n < 20u ? 1u : n / 10u;
 #else
     return n;
