@@ -174,7 +174,7 @@ group_scene() {
         done
         rm -r case
     }
-    for seed in $(seq $(either all 3 1)); do for start in $(either short near 'near far'); do
+    for seed in $(seq $(either all 3 1)); do for start in $(either all 'near far' $(either full far near)); do
         beside femur $start $seed $v/femur.ply $v/hip_bone.ply
         full || continue
         beside hips $start $seed $c/hip_bone_right.ply $c/hip_bone_left.ply
