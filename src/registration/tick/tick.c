@@ -24,9 +24,15 @@ static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
         p->run(p->stage, p->first + task, worker);
 }
 
+/* Returns 1 when one worker runs a group of tasks, one after the other: also pieces, by a single worker. */
+static int in_order(const smr *s, const smr_step *step)
+{
+    return step->order == SMR_SERIAL || (step->abreast != NULL && s->port.n_workers <= 1u);
+}
+
 static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
 {
-    const uint32_t bundle = step->order == SMR_SERIAL ? count : timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
+    const uint32_t bundle = in_order(s, step) ? count : timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
     part_of_step part = {smr_stage_of(s, step), step->run, s->next_task, count, bundle};
     s->refused |= !smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
     s->next_task += count;
@@ -93,7 +99,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
             break;
         const int may_change = step->order == SMR_SERIAL && s->next_task == 0u; /* the first task may change n */
         uint32_t count = may_change ? 1u : smr_min_u32(group, n - s->next_task);
-        if (step->abreast != NULL && s->port.n_workers > 1u) { /* the next pieces need the results of these */
+        if (step->abreast != NULL && !in_order(s, step)) { /* the next pieces need the results of these */
             const uint32_t abreast = step->abreast(smr_stage_of(s, step));
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
