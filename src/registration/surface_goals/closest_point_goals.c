@@ -123,7 +123,8 @@ static smr_certainty known_of(const smr_surface_goals *g, uint32_t v, smr_vec p)
 {
     const float step = smr_length(smr_sub(smr_get3(g->shape->x, v), smr_get3(g->shape->x_next, v)));
     const float rounded = SMR_ROUNDED * (smr_abs(p.x) + smr_abs(p.y) + smr_abs(p.z));
-    return smr_known(g, g->other[v] - SMR_FARTHER * step - rounded, step, SMR_LEARN_GOAL);
+    const float other = (float)g->other[v] * smr_other_unit(g);
+    return smr_known(g, other - SMR_FARTHER * step - rounded, step, SMR_LEARN_GOAL);
 }
 
 /* Returns the position of vertex v, mm from the target's origin. */
@@ -139,7 +140,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     const smr_vec p = from_target(g, v, target);
     smr_certainty known = known_of(g, v, p);
     g->warm_next[v] = g->warm[v];
-    g->other[v] = 0.0f;
+    g->other[v] = 0;
     find->hit.triangle = SMR_NONE;
     find->displacement = smr_v(0, 0, 0);
     if (smr_reject_outside(c, smr_add(p, target->origin)))
@@ -152,7 +153,8 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;
-    g->other[v] = known.other_mm;
+    const float units = known.other_mm / smr_max(smr_other_unit(g), 1.0e-20f);
+    g->other[v] = (uint16_t)smr_clamp(units, 0.0f, 65535.0f); /* rounded down */
     if (smr_reject_border(g, target, &hit) || smr_reject_distance(g, hit.d2))
         return 0;
     find->hit = hit;

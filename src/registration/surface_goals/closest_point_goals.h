@@ -71,12 +71,12 @@ typedef struct smr_surface_goals {
     uint32_t n_tasks;                                                /* number of tasks of the target-to-model search */
     const float *spread; /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
     /* members that the search for goals writes */
-    uint32_t *warm;        /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
-    uint32_t *warm_next;   /* [n] closest target triangle of each vertex in the current forces, which may restart */
-    float *other;          /* [n] mm: all target triangles but warm_next[v] are at least this far from v; 0: unknown */
-    float *target_other;   /* [n_target_vertices] mm: the same of the model's triangles, plus `path` at that time */
-    float path;            /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
-    float moved;           /* mm: largest displacement of the last iteration */
+    uint32_t *warm;      /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
+    uint32_t *warm_next; /* [n] closest target triangle of each vertex in the current forces, which may restart */
+    uint16_t *other;     /* [n] smr_other_unit(): least distance of all target triangles but warm_next[v]; 0: unknown */
+    float *target_other; /* [n_target_vertices] mm: the same of the model's triangles, plus `path` at that time */
+    float path;          /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
+    float moved;         /* mm: largest displacement of the last iteration */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
     uint16_t *target_residual; /* [n_target_vertices] distance to the model, logarithmic (outlier_weights.c) */
     uint64_t *histogram;       /* [SMR_RESIDUALS] area of the target vertices whose residuals lie in each bin */
@@ -97,6 +97,12 @@ void smr_certainties_clear(smr_surface_goals *g);    /* discards what searches k
 void smr_certainties_age(smr_surface_goals *g, float moved); /* adds the largest displacement of an iteration, mm */
 void smr_target_warm_clear(smr_surface_goals *g);  /* discards the closest model triangles of target vertices */
 int smr_targets_valid(const smr_surface_goals *g); /* 1: no target surface has changed since it was set */
+
+/* Returns the unit of smr_surface_goals.other, mm: 16 mean edges fit. */
+static inline float smr_other_unit(const smr_surface_goals *g)
+{
+    return smr_le_float(g->shared->model->edge_mm) * (1.0f / 4096.0f);
+}
 
 /* Returns what a search knows of other triangles, which are at least other_mm away. After a step larger than `learn`
  * mean edges the search learns nothing, since the next one would not be sure. In dynamics nothing is known. */
