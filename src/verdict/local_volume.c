@@ -1,8 +1,7 @@
 /* local_volume.c: the change of volume around each vertex since the rest shape, on demand: the volume between the
  * surface of a cluster and its centre, now / at rest. Volumes are measured, not derived from transforms, so they
  * include folds and forces; a linear map would count bending as shrinking. Each vertex gets a third of its triangles'
- * normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of records, sums and
- * transforms.
+ * normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of records and sums.
  * Bounds: four passes over the vertices, two over the triangles, one over a radius' lists.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
@@ -38,7 +37,7 @@ static void begin(local *l, const smr *s, float radius_mm)
     smr_rest_pose_now(&l->shape);
     l->sums = s->sums;
     l->sums.schedule = &l->schedule;
-    l->part = s->match.transform;
+    l->part = (float *)s->sums.sum;
 }
 
 static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])

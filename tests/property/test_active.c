@@ -140,14 +140,16 @@ static double off_average(const smr *s, const rig_lists *l, uint32_t v)
     double goal[3] = {0, 0, 0}, off = 0.0;
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-        const float *t = s->match.transform + 12u * (size_t)l->zeta[k];
+        double t[12];
+        for (uint32_t i = 0; i < 12u; i++) /* the record is what is averaged */
+            t[i] = (double)(int32_t)s->sums.record[SMR_WORDS * (size_t)l->zeta[k] + i] / (double)s->sums.scale[i > 8u];
         if (l->zeta[k] >= s->schedule.n_active)
             continue;
         count++;
         for (uint32_t a = 0; a < 3u; a++) {
-            goal[a] += (double)ref[a] + (double)t[9u + a];
+            goal[a] += (double)ref[a] + t[9u + a];
             for (uint32_t b = 0; b < 3u; b++)
-                goal[a] += (double)t[3u * a + b] * (double)ref[b];
+                goal[a] += t[3u * a + b] * (double)ref[b];
         }
     }
     assert_true(count > 0u && fabs((double)s->reference.share[v] * count - 1.0) < 1e-6);

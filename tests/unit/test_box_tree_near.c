@@ -40,7 +40,7 @@ TEST(near_ones_are_all_of_them)
             smr_near_list list;
             float sum = 0.0f;
             smr_tree_closest(&f, &q, &closest);
-            smr_tree_near(&f, &q, &hit, &list);
+            smr_tree_near(&f, &q, &hit, &list, NULL);
             assert_true(hit.triangle == closest.triangle && hit.d2 == closest.d2);
             assert_true((list.n == 0u) == (hit.triangle == SMR_NONE) && list.n <= SMR_NEAR_MOST);
             for (uint32_t i = 0; i < list.n; i++) {
@@ -62,6 +62,39 @@ TEST(near_ones_are_all_of_them)
     assert_true(several > 300u);
 }
 
+/* A search that knows how far other triangles are has the bits of one that does not, while its point wanders. */
+TEST(knowing_other_triangles_changes_no_bit)
+{
+    oracle_random r = oracle_seed(79);
+    uint32_t sure = 0;
+    for (uint32_t k = 0; k < 8u; k++) {
+        unit_mesh m = k % 2u == 0u ? unit_soup(&r, 40u + 60u * k, 100.0f, k % 4u == 0u) : unit_sphere(2, 50.0f, 20.0f);
+        uint32_t *triangles;
+        smr_box_tree f = unit_plant(&m, &triangles);
+        for (uint32_t i = 0; i < 6000u; i++) {
+            static smr_query q;
+            static smr_certainty known;
+            if (i % 30u == 0u)
+                q = unit_query(&r, &m, i / 30u);
+            known = (smr_certainty){i % 2u == 0u ? 0.1f : 0.0f, i % 30u == 0u ? 0.0f : known.other_mm, 0};
+            smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}}, plain = hit;
+            smr_near_list near, all;
+            smr_tree_near(&f, &q, &hit, &near, &known);
+            smr_tree_near(&f, &q, &plain, &all, NULL);
+            assert_memory_equal(&hit, &plain, sizeof hit);
+            assert_true(near.n == all.n && (!known.sure || (near.item[0].share == 1.0f && all.item[0].share == 1.0f)));
+            const smr_vec step = smr_v(oracle_uniformf(&r, -0.02f, 0.02f), oracle_uniformf(&r, -0.02f, 0.02f), 0.01f);
+            q.point = smr_add(q.point, step);
+            q.warm = hit.triangle;
+            known.other_mm -= 1.0001f * smr_length(step) + 2.5e-5f;
+            sure += known.sure;
+        }
+        unit_uproot(&f, triangles);
+        unit_mesh_free(&m);
+    }
+    assert_true(sure > 5000u);
+}
+
 /* With however small a node budget, the nearest known triangle has its share. Where more are near than the list
  * holds, the last bits do not decide which are kept. */
 TEST(near_ones_end_where_room_or_budget_do)
@@ -78,7 +111,7 @@ TEST(near_ones_end_where_room_or_budget_do)
         smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
         smr_near_list list;
         float most = 0.0f;
-        smr_tree_near(&f, &q, &closest, &list);
+        smr_tree_near(&f, &q, &closest, &list, NULL);
         if (list.n == SMR_NEAR_MOST) {
             full++;
             for (uint32_t i = 0; i < list.n; i++) /* the farthest in the list is about to leave it */
@@ -89,7 +122,7 @@ TEST(near_ones_end_where_room_or_budget_do)
         }
         q.node_budget = 8;
         q.warm = closest.triangle;
-        smr_tree_near(&f, &q, &hit, &list);
+        smr_tree_near(&f, &q, &hit, &list, NULL);
         assert_int_equal(closest.triangle, hit.triangle);
         float nearest = 0.0f;
         for (uint32_t i = 0; i < list.n; i++)

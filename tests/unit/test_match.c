@@ -48,12 +48,14 @@ static void drive(smr *s, const float m[9], smr_vec t)
     run_all(&s->match, smr_match_cluster_tasks(&s->match), smr_match_clusters);
 }
 
+static const float *transform_of(const smr *s, uint32_t v) { return (float *)(s->sums.sum + SMR_WORDS * (size_t)v); }
+
 /* Largest distance between where clusters carry their own vertex and where it should go. */
 static float miss(const smr *s, const float m[9], smr_vec t)
 {
     float worst = 0.0f;
     for (uint32_t v = 0; v < s->shared.n; v++) {
-        const float *own = s->match.transform + 12u * (size_t)v;
+        const float *own = transform_of(s, v);
         const smr_vec x = smr_load(smr_at3(s->shape.x_ref, v));
         const smr_vec got = smr_add(x, smr_add(smr_mul(own, x), smr_load(own + 9)));
         worst = fmaxf(worst, smr_length(smr_sub(got, smr_add(smr_mul(m, x), t))));
@@ -110,8 +112,8 @@ TEST(test_always_a_rotation)
             drive(s, m, smr_v(rig_between(&seed, -9, 9), 2, 1));
             for (uint32_t v = 0; v < s->shared.n; v++) {
                 for (uint32_t i = 0; i < 12u; i++)
-                    assert_true(isfinite(s->match.transform[12u * (size_t)v + i]));
-                assert_true(not_rotation(s->match.transform + 12u * (size_t)v) < 1.0e-4f);
+                    assert_true(isfinite(transform_of(s, v)[i]));
+                assert_true(not_rotation(transform_of(s, v)) < 1.0e-4f);
             }
         }
     }

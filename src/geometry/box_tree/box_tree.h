@@ -117,9 +117,22 @@ static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle
     return group == 0u || (mask->use != NULL && mask->use[group] == 0u);
 }
 
-/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched. */
+/* What a search knows of the triangles that it did not find. With it the next search from a point nearby ends at once
+ * while no other triangle can have become the closest one. The result has the same bits. */
+typedef struct smr_certainty {
+    float slack_mm; /* how far beyond the closest triangle the search looks, so that other_mm is large; negative: no
+                     * other_mm is sought, which makes the search cheaper */
+    float
+        other_mm;  /* lower bound of the distance to all triangles but q->warm, accepted or not, mm; 0: unknown; out: to
+                     * all but hit->triangle */
+    uint32_t sure; /* out: 1: q->warm is the closest triangle without a search, and other_mm is as before */
+} smr_certainty;
+
+/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched;
+ * known NULL: nothing is known of other triangles. */
 void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
-void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit);
+void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
+                          smr_certainty *known);
 
 #define SMR_NEAR_MOST 24u /* largest number of triangles in a smr_near_list: more than usually meet at a vertex */
 
@@ -139,7 +152,7 @@ typedef struct smr_near_list {
 
 /* Finds the closest acceptable triangle, and all triangles less than a tenth farther and nearer than list->cut2. Shares
  * fall to 0 at that limit, so that rounding does not decide between equally close triangles. */
-void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
+void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list, smr_certainty *known);
 /* Returns the point, mm, of a triangle with these barycentric weights. */
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3]);
 /* Writes order[n], the mesh's triangle indexes in tree order. Scratch: centre [n][3], key [n], tmp [2 n]. */

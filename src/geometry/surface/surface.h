@@ -73,11 +73,18 @@ static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
     return smr_is_cloud(s) ? SMR_BODY_SMALL : s->work.start[v] != SMR_NONE ? s->work.body[s->work.start[v]] : 0u;
 }
 
-/* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0. */
-static inline void smr_surface_search(const smr_surface *s, const unsigned char *use, const smr_query *q, smr_hit *hit)
+/* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0.
+ * known: what the last search knew of other triangles; NULL: nothing. */
+static inline void smr_surface_search_known(const smr_surface *s, const unsigned char *use, const smr_query *q,
+                                            smr_hit *hit, smr_certainty *known)
 {
     const smr_tree_mask mask = {s->work.body, use};
-    smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit);
+    smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit, known);
+}
+
+static inline void smr_surface_search(const smr_surface *s, const unsigned char *use, const smr_query *q, smr_hit *hit)
+{
+    smr_surface_search_known(s, use, q, hit, NULL);
 }
 
 /* A stage of a build: does the items first .. last-1. These find stray components; a refit also runs the last one. */

@@ -55,7 +55,7 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
     smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};
     smr_near_list list;
     smr_vec from = smr_v(0, 0, 0), along = from;
-    smr_tree_near(f, q, &hit, &list);
+    smr_tree_near(f, q, &hit, &list, NULL);
     if (hit.triangle == SMR_NONE)
         return 0;
     for (uint32_t i = 0; i < list.n; i++) {

@@ -16,10 +16,11 @@
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
     g->structure = smr_slot_scratch(a, g->structure, shared->n_structures, sizeof *g->structure);
-    g->contrast = smr_slot_bytes(a, g->contrast, shared->n, UINT8_MAX);
-    g->contrast_next = smr_slot_scratch(a, g->contrast_next, shared->n, 1);
-    g->brighter = smr_slot_bytes(a, g->brighter, shared->n, UINT8_MAX);
-    g->brighter_next = smr_slot_scratch(a, g->brighter_next, shared->n, 1);
+    const uint32_t n = smr_le32(shared->model->profile_samples) > 0u ? shared->n : 0u; /* without profiles no image */
+    g->contrast = smr_slot_bytes(a, g->contrast, n, UINT8_MAX);
+    g->contrast_next = smr_slot_scratch(a, g->contrast_next, n, 1);
+    g->brighter = smr_slot_bytes(a, g->brighter, n, UINT8_MAX);
+    g->brighter_next = smr_slot_scratch(a, g->brighter_next, n, 1);
     smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
     /* only idle and matched are saved; the next iteration or smr_image_goals_derive() recomputes the others */
     for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++) {
@@ -31,10 +32,10 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
 
 void smr_image_goals_reset(smr_image_goals *g)
 {
-    memset(g->contrast, 0, g->shared->n);
-    memset(g->contrast_next, 0, g->shared->n);
-    memset(g->brighter, SMR_BRIGHTER_NONE, g->shared->n);
-    memset(g->brighter_next, SMR_BRIGHTER_NONE, g->shared->n);
+    for (uint32_t v = 0; v < g->shared->n && g->shared->model->profile_samples != 0u; v++) {
+        g->contrast[v] = g->contrast_next[v] = 0;
+        g->brighter[v] = g->brighter_next[v] = SMR_BRIGHTER_NONE;
+    }
     for (uint32_t k = 0; k < g->shared->n_structures; k++)
         g->structure[k].idle = 0;
     g->n_invisible = 0;
@@ -56,6 +57,8 @@ void smr_image_goals_commit(smr_image_goals *g)
 
 void smr_image_forget(smr_image_goals *g, uint32_t v)
 {
+    if (g->shared->model->profile_samples == 0u)
+        return;
     g->contrast_next[v] = 0;
     g->brighter_next[v] = SMR_BRIGHTER_NONE;
 }

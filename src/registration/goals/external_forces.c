@@ -27,6 +27,7 @@ void smr_forces_reset(smr_forces *f)
 
 void smr_forces_unmeasured(smr_forces *f)
 {
+    smr_certainties_clear(&f->surface);
     f->unmeasured = 1;
     f->matched = -1.0f;
 }

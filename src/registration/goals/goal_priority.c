@@ -74,6 +74,7 @@ void smr_sources_commit(smr_forces *f)
 void smr_sources_drop(smr_forces *f, uint32_t v)
 {
     smr_vec displacement;
+    f->surface.other[v] = 0;
     if (smr_attraction_on(&f->surface))
         (void)smr_pull_take(&f->surface, v, &displacement);
 }

@@ -46,7 +46,7 @@ typedef struct smr_match {
     const smr_reference *reference;
     const smr_sums *sums;
     smr_tally *tally;
-    float *transform; /* [n][12] each cluster's transform: R - I row-major, t in mm; fusing lie: first 6: a twist */
+    /* words 0..11 of smr_sums.sum: each cluster's transform, floats: R - I row-major, t in mm; fusing lie: a twist */
     float *eigen;     /* [n][9] start values of the polar decomposition; NULL for the rigid method */
     float largest[2]; /* largest entry of all R - I (or rotation vectors); largest entry of all t (or rates), mm */
 } smr_match;

@@ -11,7 +11,6 @@
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
 {
-    m->transform = smr_slot_scratch(a, m->transform, shared->n, 12u * sizeof(float));
     if (shared->config.basic.method == SMR_METHOD_POLAR)
         m->eigen = smr_slot_floats(a, m->eigen, 9u * (size_t)shared->n, SMR_KEPT_UNIT);
 }
@@ -85,14 +84,14 @@ uint32_t smr_match_cluster_tasks(const void *arg) { return smr_match_tasks(((con
 void smr_match_clusters(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_match *m = arg;
-    const uint32_t *const sum = m->sums->sum, words = smr_transform_words(m->shared), first = words - 3u;
+    const uint32_t words = smr_transform_words(m->shared), first = words - 3u;
     const int logs = smr_blends_logs(m->shared);
     const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];
-    float *const transform = m->transform, largest_r = 0.0f, largest_t = 0.0f;
+    float largest_r = 0.0f, largest_t = 0.0f;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->schedule->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
-        const uint32_t *w = sum + SMR_WORDS * (size_t)v;
-        float *t = transform + 12u * (size_t)v;
+        uint32_t *const w = m->sums->sum + SMR_WORDS * (size_t)v;
+        float t[12];
         const smr_vec mu = smr_unfix3(w, inverse0);
         if (logs)
             log_of(m, v, mu, w + 3, inverse1, t);
@@ -102,6 +101,7 @@ void smr_match_clusters(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
             largest_r = smr_max(largest_r, smr_abs(t[i]));
         for (uint32_t i = first; i < words; i++)
             largest_t = smr_max(largest_t, smr_abs(t[i]));
+        memcpy(w, t, words * sizeof *t); /* the transform takes the place of the cluster's sum */
     }
     m->tally[task].match.largest[0] = largest_r;
     m->tally[task].match.largest[1] = largest_t;

@@ -13,7 +13,8 @@ void smr_average_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const uint32_t words = smr_transform_words(m->shared), first = words - 3u;
     for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(m->schedule, task); v++) {
         uint32_t *r = m->sums->record + SMR_WORDS * (size_t)v;
-        const float *t = m->transform + 12u * (size_t)v;
+        float t[12];
+        memcpy(t, m->sums->sum + SMR_WORDS * (size_t)v, words * sizeof *t);
         for (uint32_t i = 0; i < first; i++)
             r[i] = smr_fixed(t[i] * m->sums->scale[0]);
         for (uint32_t i = first; i < words; i++)

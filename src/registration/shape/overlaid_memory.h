@@ -11,7 +11,9 @@
  *                   tangential smoothing -> evolve                            rings: neighbours' displacements
  *                   fold repair or fold limit                                 rings: neighbours' displacements or steps
  *   sum             field of occluded vertices -> forces                      controls, factor and coefficients
- *                   reference records -> average                              sums over clusters
+ *                   reference records -> match                                sums over clusters
+ *                   match -> records of transforms                            transforms, floats
+ *                   records of transforms -> evolve                           sums over clusters
  *   sum, words 12+  evolve -> end of the iteration                            next normals (below)
  *   tally           within each step and its end                              results of tasks for the step's end;
  *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of edges

@@ -5,6 +5,10 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
+#define SMR_FARTHER 1.0001f   /* factor on a displacement, for its rounding */
+#define SMR_ROUNDED 2.5e-7f   /* rounding of two positions relative to the target, as a share of the coordinates */
+#define SMR_PATH_MOST 1000.0f /* mm: length of `path` from which on its rounding matters */
+
 /* Saves the state of targets. The caller sets the surfaces again, from which the list of distinct targets follows. */
 static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
@@ -35,6 +39,7 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     g->goal = smr_slot_scratch(a, g->goal, shared->n_structures, sizeof *g->goal);
     g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* each search checks the index against its surface */
     g->warm_next = smr_slot_scratch(a, g->warm_next, n, sizeof(uint32_t));
+    g->other = smr_slot_scratch(a, g->other, n, sizeof *g->other);
     keep_targets(a, g, shared);
     if (shared->config.partial.coverage != SMR_COVERAGE_WHOLE) {
         g->visibility = smr_slot_bytes(a, g->visibility, n, SMR_VISIBLE_ONE);
@@ -44,6 +49,7 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
         return;
     g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
+    g->target_other = smr_slot_scratch(a, g->target_other, m, sizeof *g->target_other);
     g->target_residual = smr_slot_scratch(a, g->target_residual, m, sizeof *g->target_residual);
     g->histogram = smr_slot_scratch(a, g->histogram, SMR_RESIDUALS, sizeof *g->histogram);
     g->body_weight = smr_slot_bytes(a, g->body_weight, SMR_BODY_SLOTS(shared->n_structures), 255u);
@@ -55,6 +61,22 @@ void smr_pulls_clear(smr_surface_goals *g)
 {
     if (g->pull != NULL)
         memset(g->pull, 0, g->shared->config.basic.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
+}
+
+void smr_certainties_clear(smr_surface_goals *g)
+{
+    memset(g->other, 0, g->shared->n * sizeof *g->other);
+    if (g->target_other != NULL)
+        memset(g->target_other, 0, g->shared->config.basic.n_target_vertices * sizeof *g->target_other);
+    g->path = g->moved = 0.0f;
+}
+
+void smr_certainties_age(smr_surface_goals *g, float moved)
+{
+    g->moved = moved;
+    g->path += SMR_FARTHER * moved;
+    if (!(g->path < SMR_PATH_MOST))
+        smr_certainties_clear(g);
 }
 
 void smr_target_warm_clear(smr_surface_goals *g)
@@ -96,6 +118,15 @@ int smr_targets_valid(const smr_surface_goals *g)
     return 1;
 }
 
+/* Returns what the last search for v, at the positions before, makes known at p, v's present position. */
+static smr_certainty known_of(const smr_surface_goals *g, uint32_t v, smr_vec p)
+{
+    const float step = smr_length(smr_sub(smr_get3(g->shape->x, v), smr_get3(g->shape->x_next, v)));
+    const float rounded = SMR_ROUNDED * (smr_abs(p.x) + smr_abs(p.y) + smr_abs(p.z));
+    const float other = (float)g->other[v] * smr_other_unit(g);
+    return smr_known(g, other - SMR_FARTHER * step - rounded, step, SMR_LEARN_GOAL);
+}
+
 /* Returns the position of vertex v, mm from the target's origin. */
 static smr_vec from_target(const smr_surface_goals *g, uint32_t v, const smr_surface *target)
 {
@@ -107,7 +138,9 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
 {
     const smr_config *c = &g->shared->config;
     const smr_vec p = from_target(g, v, target);
+    smr_certainty known = known_of(g, v, p);
     g->warm_next[v] = g->warm[v];
+    g->other[v] = 0;
     find->hit.triangle = SMR_NONE;
     find->displacement = smr_v(0, 0, 0);
     if (smr_reject_outside(c, smr_add(p, target->origin)))
@@ -116,10 +149,12 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* a vertex without triangles has no normal: all normals agree */
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
-    smr_surface_search(target, smr_other_bodies(g, smr_model_owner(g->shared->model, v)), &q, &hit);
+    smr_surface_search_known(target, smr_other_bodies(g, smr_model_owner(g->shared->model, v)), &q, &hit, &known);
     if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;
+    const float units = known.other_mm / smr_max(smr_other_unit(g), 1.0e-20f);
+    g->other[v] = (uint16_t)smr_clamp(units, 0.0f, 65535.0f); /* rounded down */
     if (smr_reject_border(g, target, &hit) || smr_reject_distance(g, hit.d2))
         return 0;
     find->hit = hit;

@@ -32,11 +32,11 @@ static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query 
 
 /* Finds the closest acceptable model point on structures with this target. Returns the structure or SMR_NONE. */
 static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
-                                  smr_hit *hit, smr_near_list *near)
+                                  smr_hit *hit, smr_near_list *near, smr_certainty *known)
 {
     const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
     smr_near_list list;
-    uint32_t found = SMR_NONE;
+    uint32_t found = SMR_NONE, n_searched = 0;
     /* round 0: the structure found last, whose distance shortens the search of the others */
     for (uint32_t round = 0; round < 2u; round++) {
         for (uint32_t i = 0; i < g->shared->n_structures; i++) {
@@ -50,14 +50,19 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
             q->warm = is_warm ? local : SMR_NONE;
             smr_hit h = *hit;
             h.triangle = SMR_NONE;
-            smr_tree_near(&one->tree, q, &h, &list);
+            smr_tree_near(&one->tree, q, &h, &list, known);
+            n_searched++;
             if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
                 *hit = h;
-                *near = list;
+                memcpy(near, &list, offsetof(smr_near_list, item) + list.n * sizeof *list.item);
                 found = i;
             }
         }
+        if (known->sure)
+            return found;
     }
+    if (n_searched != 1u)
+        known->other_mm = 0.0f; /* structures that share a target: nothing is known of the others */
     return found;
 }
 
@@ -90,10 +95,13 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, int
     if (smr_is_cloud(surface) && !(surface->area[j] > 0.0f))
         return;
     smr_near_list near;
-    const uint32_t found = closest_structure(g, surface, &q, g->target_warm[slot], &hit, &near);
+    smr_certainty known = smr_known(g, g->target_other[slot] - g->path, g->moved, SMR_LEARN_PULL);
+    g->target_other[slot] = 0.0f;
+    const uint32_t found = closest_structure(g, surface, &q, g->target_warm[slot], &hit, &near, &known);
     if (found == SMR_NONE)
         return;
     const smr_shape_structure *one = &g->shape->structure[found];
+    g->target_other[slot] = known.other_mm + g->path;
     g->target_warm[slot] = one->first_triangle + hit.triangle;
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
     const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);

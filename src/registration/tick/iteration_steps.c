@@ -75,6 +75,7 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
     shape->x_next = before;
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_put3(shape->normal, v, smr_next_normal(s->sums.sum, v));
+    smr_certainties_age(&s->forces.surface, s->evolve.moved_mm);
     if (smr_tracks(&s->schedule))
         smr_track_rest_commit(shape);
     if (smr_volumes_used(&s->volumes))
