@@ -34,9 +34,36 @@
 #define SMR_NORMAL_MOST 4.0e3f    /* largest variance of the motion from the start / field's; beyond: rounding errors */
 #define SMR_NORMAL_TURN 0.1f      /* smallest 1 + trace of a rotation in a divisor (4: no turn): limits half turns */
 
+#define SMR_LANES 4u /* positions that are computed at once */
+
+/* A float of each of SMR_LANES positions: a loop over floats would not always be vectorised. */
+typedef float lanes __attribute__((vector_size(16)));
+
+/* A vector of each of SMR_LANES positions. */
+typedef struct lanes3 {
+    lanes x, y, z;
+} lanes3;
+
+/* Terms of an observation in its covariances with other positions. */
+typedef struct terms {
+    smr_vec turn; /* vector from the middle, in kernel lengths, cross normal */
+    float scale;  /* that vector . normal */
+    float more;   /* normal_field.more times the motion from the start . normal */
+} terms;
+
+/* Positions whose covariances with the observations are computed at once. */
+typedef struct places {
+    lanes3 at;     /* start position, mm */
+    lanes3 normal; /* in the start's frame */
+    lanes3 arm;    /* vector from the middle, in kernel lengths */
+    lanes3 motion; /* displacement by the motion from the start, mm */
+} places;
+
 /* The displacement from the start as a Gaussian process, observed along normals. */
 typedef struct normal_field {
     const smr *s;
+    lanes3 *known;     /* [n] for each axis of SMR_LANES positions: L^-1 of the covariances with the observations */
+    terms *term;       /* [n] in the memory of records behind the expected errors */
     float *at;         /* [n][3] start positions of the observed vertices, mm */
     float *normal;     /* [n][3] normals of the observed vertices in the start's frame */
     float *moved;      /* [n] observed displacement along the normal, mm */
@@ -58,7 +85,7 @@ typedef struct normal_field {
     float again;       /* factor on the motion from the start, as the observations give it */
 } normal_field;
 
-/* Places the arrays in the memory of sums. Returns the number of observations that this memory holds. */
+/* Places arrays in the memory of sums, transforms and records. Returns the number of observations that it holds. */
 static uint32_t place(normal_field *f, const smr *s)
 {
     const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
@@ -70,6 +97,8 @@ static uint32_t place(normal_field *f, const smr *s)
     f->moved = f->normal + 3u * (size_t)most;
     f->open = f->moved + most;
     f->lower = f->open + most;
+    f->known = (lanes3 *)s->match.transform;
+    f->term = (terms *)smr_vertex_expected(s, s->shared.n);
     return most;
 }
 
@@ -121,25 +150,62 @@ static smr_vec arm_of(const normal_field *f, smr_vec at)
 /* Returns the displacement, mm, by the motion from the start at an arm of arm_of(). */
 static smr_vec motion_at(const normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
 
-/* Returns the covariance of the displacement at a position with observation i, divided by size2. */
-static smr_vec with_observation(const normal_field *f, smr_vec at, uint32_t i)
+static lanes3 add(lanes3 a, lanes3 b) { return (lanes3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+static lanes3 times(lanes3 a, lanes s) { return (lanes3){a.x * s, a.y * s, a.z * s}; }
+static lanes dot(lanes3 a, lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static lanes all(float a) { return (lanes){a, a, a, a}; }
+static lanes3 all3(smr_vec a) { return (lanes3){all(a.x), all(a.y), all(a.z)}; }
+static smr_vec lane(const lanes3 *a, uint32_t l) { return smr_v(a->x[l], a->y[l], a->z[l]); }
+
+static void set_lane(lanes3 *a, uint32_t l, smr_vec v)
 {
-    const smr_vec n = smr_get3(f->normal, i), from = smr_get3(f->at, i);
-    const smr_vec arm = arm_of(f, at), other = arm_of(f, from), apart = smr_sub(at, from);
-    const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
-    const smr_vec motions = smr_scale(smr_add(smr_add(n, turn), scale), f->motions);
-    const smr_vec more = smr_scale(motion_at(f, arm), f->more * smr_dot(motion_at(f, other), n));
-    return smr_add(smr_scale(n, smr_kernel(smr_dot(apart, apart), f->per_length2)), smr_add(motions, more));
+    a->x[l] = v.x;
+    a->y[l] = v.y;
+    a->z[l] = v.z;
+}
+
+/* Sets lane l of the places to a start position and its normal. */
+static void set_place(const normal_field *f, places *p, uint32_t l, smr_vec at, smr_vec normal)
+{
+    const smr_vec arm = arm_of(f, at);
+    set_lane(&p->at, l, at);
+    set_lane(&p->normal, l, normal);
+    set_lane(&p->arm, l, arm);
+    set_lane(&p->motion, l, motion_at(f, arm));
+}
+
+/* Returns the covariances of the displacements at places with observation i, divided by size2. Sets *d2 to the squared
+ * distances. */
+static inline lanes3 with_observation(const normal_field *f, const places *p, uint32_t i, lanes *d2)
+{
+    const terms *t = &f->term[i];
+    const lanes3 n = all3(smr_get3(f->normal, i)), apart = add(p->at, all3(smr_scale(smr_get3(f->at, i), -1.0f)));
+    const lanes3 a = p->arm, turn = {t->turn.y * a.z - t->turn.z * a.y, t->turn.z * a.x - t->turn.x * a.z,
+                                     t->turn.x * a.y - t->turn.y * a.x};
+    const lanes3 motions = times(add(add(n, turn), times(a, all(t->scale))), all(f->motions));
+    *d2 = dot(apart, apart);
+    return add(times(n, 1.0f / (1.0f + *d2 * f->per_length2)), add(motions, times(p->motion, all(t->more))));
 }
 
 /* Computes the Cholesky factor of the observations' covariance. */
 static void factor(normal_field *f)
 {
+    places p;
+    lanes d2;
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec at = smr_get3(f->at, i), normal = smr_get3(f->normal, i);
-        for (uint32_t j = 0; j <= i; j++) {
-            const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? f->noise : 0.0f);
-            smr_factor_set(f->lower, i, j, both, 0.5f * f->noise);
+        const smr_vec other = arm_of(f, smr_get3(f->at, i)), n = smr_get3(f->normal, i);
+        f->term[i] = (terms){smr_cross(other, n), smr_dot(other, n), f->more * smr_dot(motion_at(f, other), n)};
+    }
+    for (uint32_t first = 0; first < f->n; first += SMR_LANES) {
+        const uint32_t rows = smr_min_u32(f->n - first, SMR_LANES);
+        for (uint32_t l = 0; l < SMR_LANES; l++) {
+            const uint32_t i = first + smr_min_u32(l, rows - 1u);
+            set_place(f, &p, l, smr_get3(f->at, i), smr_get3(f->normal, i));
+        }
+        for (uint32_t j = 0; j < first + rows; j++) {
+            const lanes both = dot(p.normal, with_observation(f, &p, j, &d2));
+            for (uint32_t l = j < first ? 0u : j - first, i = first + l; l < rows; l++, i++)
+                smr_factor_set(f->lower, i, j, both[l] + (i == j ? f->noise : 0.0f), 0.5f * f->noise);
         }
     }
 }
@@ -284,32 +350,67 @@ static parts weighed(const normal_field *f, uint32_t v, parts variance, float fa
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }
 
-/* Returns the squared errors of stored vertex v; without a normal a third of the error counts as across. */
-static parts field_errors(const normal_field *f, uint32_t v)
+/* Variances and displacements of places, from the observations. */
+typedef struct solved {
+    lanes left, across;  /* variance of all axes and across the surface / size2 */
+    lanes3 displacement; /* by the variance of the motion from the start, mm */
+    lanes d2;            /* squared distance to the nearest observation, mm^2 */
+} solved;
+
+/* Computes what the observations leave open at places. */
+static solved solve(const normal_field *f, const places *p)
 {
-    const smr_vec at = smr_get3(f->s->shape.start, v), normal = turned_back(&f->pose, smr_get3(f->s->shape.normal, v));
-    const int has_normal = smr_dot(normal, normal) > 0.5f;
-    float known[3u * SMR_OBSERVATIONS]; /* for each axis: L^-1 of the covariances with the observations */
-    const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
-    const float motions = 1.0f + f->motions * (1.0f + smr_dot(arm, arm)), through = smr_dot(motion, normal);
-    smr_vec displacement = smr_scale(motion, f->again);
-    float left = 3.0f * motions + f->more * smr_dot(motion, motion), far2 = SMR_FAR;
-    float across = motions + f->more * through * through;
+    const lanes motions = 1.0f + f->motions * (1.0f + dot(p->arm, p->arm)), through = dot(p->motion, p->normal);
+    solved k = {3.0f * motions + f->more * dot(p->motion, p->motion), motions + f->more * through * through,
+               times(p->motion, all(f->again)), all(SMR_FAR)};
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec with = with_observation(f, at, i), apart = smr_sub(at, smr_get3(f->at, i));
-        const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
-        smr_put3(known, i, one);
-        left -= smr_dot(one, one);
-        across -= smr_dot(one, normal) * smr_dot(one, normal);
-        displacement = smr_add(displacement, smr_scale(with, f->open[i]));
-        far2 = smr_min(far2, smr_dot(apart, apart) * f->per_length2);
+        const float *const row = smr_factor_row(f->lower, i);
+        lanes d2;
+        const lanes3 with = with_observation(f, p, i, &d2);
+        lanes3 one = with;
+        for (uint32_t j = 0; j < i; j++) {
+            one.x -= f->known[j].x * row[j];
+            one.y -= f->known[j].y * row[j];
+            one.z -= f->known[j].z * row[j];
+        }
+        f->known[i] = one = times(one, all(1.0f / row[i]));
+        const lanes along = dot(one, p->normal);
+        k.left -= dot(one, one);
+        k.across -= along * along;
+        k.displacement = add(k.displacement, times(with, all(f->open[i])));
+        for (uint32_t l = 0; l < SMR_LANES; l++)
+            k.d2[l] = smr_min(k.d2[l], d2[l]);
     }
-    left = smr_max(left, 0.0f);
-    across = has_normal ? smr_clamp(across, 0.0f, left) : left * (1.0f / 3.0f);
+    return k;
+}
+
+/* Returns the squared errors of stored vertex v in lane l; without a normal a third of the error counts as across. */
+static parts errors_of(const normal_field *f, uint32_t v, const places *p, const solved *k, uint32_t l)
+{
+    const smr_vec normal = lane(&p->normal, l), displacement = lane(&k->displacement, l);
+    const int has_normal = smr_dot(normal, normal) > 0.5f;
+    const float left = smr_max(k->left[l], 0.0f);
+    const float across = has_normal ? smr_clamp(k->across[l], 0.0f, left) : left * (1.0f / 3.0f);
     const float open = smr_dot(displacement, displacement), moved = smr_dot(displacement, normal);
     const float open_across = has_normal ? smr_min(moved * moved, open) : open * (1.0f / 3.0f);
-    const parts p = weighed(f, v, (parts){across, left - across}, far2);
-    return (parts){p.across + open_across, p.along + open - open_across};
+    const parts e = weighed(f, v, (parts){across, left - across}, k->d2[l] * f->per_length2);
+    return (parts){e.across + open_across, e.along + open - open_across};
+}
+
+/* Computes the squared errors of vertices first .. first + SMR_LANES - 1 of a structure, the last one in lanes beyond. */
+static void field_errors(const normal_field *f, const smr_shape_structure *one, uint32_t first, parts *errors)
+{
+    uint32_t v[SMR_LANES];
+    places p;
+    for (uint32_t l = 0; l < SMR_LANES; l++) {
+        const uint32_t i = one->first_vertex + smr_min_u32(first + l, one->n_vertices - 1u);
+        v[l] = smr_model_position(f->s->shared.model, i);
+        set_place(f, &p, l, smr_get3(f->s->shape.start, v[l]),
+                  turned_back(&f->pose, smr_get3(f->s->shape.normal, v[l])));
+    }
+    const solved k = solve(f, &p);
+    for (uint32_t l = 0; l < SMR_LANES; l++)
+        errors[l] = errors_of(f, v[l], &p, &k, l);
 }
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
@@ -319,6 +420,7 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
     const int by_landmarks = smr_follows_landmarks(s, structure);
     smr_occluded_field through = s->forces.occluded; /* a copy: the field's memory is free, and the original stays */
     normal_field field = {.n = 0};
+    parts error[SMR_LANES];
     const float size2 = by_landmarks ? smr_landmark_field_solve(&through) : solve_field(&field, s, structure, residual);
     const int known = by_landmarks ? size2 >= 0.0f : field.n > 0u;
     field.image_part = e->n_invisible > 0u;
@@ -330,8 +432,10 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
         expected[0] = expected[1] = expected[2] = -1.0f;
         if (!known)
             continue;
+        if (!by_landmarks && i % SMR_LANES == 0u)
+            field_errors(&field, one, i, error);
         const float axis2 = by_landmarks ? size2 * smr_landmark_field_left(&through, v) : 0.0f;
-        const parts p = by_landmarks ? (parts){axis2 + residual * residual, axis2 + axis2} : field_errors(&field, v);
+        const parts p = by_landmarks ? (parts){axis2 + residual * residual, axis2 + axis2} : error[i % SMR_LANES];
         expected[0] = SMR_SQRT(p.across + p.along);
         expected[1] = SMR_SQRT(p.across);
         expected[2] = SMR_SQRT(p.along);

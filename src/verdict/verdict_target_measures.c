@@ -133,7 +133,7 @@ static void add_target(const surface_pair *p, float near, smr_evidence *e)
     }
 }
 
-static void measure_surface(const smr *s, uint32_t structure, smr_evidence *e)
+static void measure_surface(const smr *s, uint32_t structure, int all, smr_evidence *e)
 {
     const smr_surface *target = s->forces.surface.target[structure].surface;
     const surface_pair p = {.s = s,
@@ -142,6 +142,8 @@ static void measure_surface(const smr *s, uint32_t structure, smr_evidence *e)
                             .mask = {target->work.body, smr_other_bodies(&s->forces.surface, structure)},
                             .distance = (float *)s->overlay.record};
     const float near = add_residual(s, find_distances(&p), e);
+    if (!all)
+        return;
     add_model(&p, near, e);
     if (s->shape.node != NULL)
         add_target(&p, near, e);
@@ -186,7 +188,7 @@ static void add_points(const smr *s, uint32_t structure, const smr_surface *clou
     }
 }
 
-static void measure_points(const smr *s, uint32_t structure, smr_evidence *e)
+static void measure_points(const smr *s, uint32_t structure, int all, smr_evidence *e)
 {
     const smr_surface *cloud = s->forces.surface.target[structure].surface;
     const smr_box_tree *f = &s->shape.structure[structure].tree;
@@ -196,6 +198,8 @@ static void measure_points(const smr *s, uint32_t structure, smr_evidence *e)
         if (closest_to_point(s, cloud, j, &hit) == structure && !is_stray(s, structure, j, hit.d2))
             smr_mean_add(&residual, SMR_SQRT(hit.d2), cloud->area[j]);
     const float near = add_residual(s, residual, e);
+    if (!all)
+        return;
     for (uint32_t k = 0; k < f->n_triangles; k++) {
         const uint32_t *t = f->triangle + 3u * (size_t)k;
         smr_mean_add(&e->visible, visible_part(s, t), 0.5f * smr_length(smr_corners_cross(s->shape.x, t)));
@@ -269,13 +273,13 @@ static void measure_caller(const smr *s, uint32_t structure, smr_evidence *e)
     }
 }
 
-void smr_measure_target(const smr *s, uint32_t structure, smr_evidence *e)
+void smr_measure_target(const smr *s, uint32_t structure, int all, smr_evidence *e)
 {
     const smr_surface *target = s->forces.surface.target[structure].surface;
     if (target != NULL && smr_is_cloud(target))
-        measure_points(s, structure, e);
+        measure_points(s, structure, all, e);
     else if (target != NULL)
-        measure_surface(s, structure, e);
+        measure_surface(s, structure, all, e);
     else if (smr_image_on(&s->forces.image))
         measure_image(s, structure, e);
     else if (smr_follows_landmarks(s, structure))
