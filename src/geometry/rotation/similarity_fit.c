@@ -31,9 +31,10 @@ void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
     /* sums with compensation (Neumaier 1974), since rounding would move the end of a bone by a micrometre; a choice of
      * values instead of a branch lets compilers vectorise the loop */
     for (uint32_t i = 0; i < SMR_FIT_SUMS; i++) {
-        const float before = f->sum[i], sum = before + term[i];
-        const int grows = smr_abs(before) >= smr_abs(term[i]);
-        f->lost[i] += ((grows ? before : term[i]) - sum) + (grows ? term[i] : before);
+        const float before = f->sum[i], now = term[i], sum = before + now;
+        const float large = __builtin_fabsf(before) >= __builtin_fabsf(now) ? before : now;
+        const float small = __builtin_fabsf(before) >= __builtin_fabsf(now) ? now : before;
+        f->lost[i] += (large - sum) + small;
         f->sum[i] = sum;
     }
 }

@@ -1,0 +1,94 @@
+/* closest_group.c: closest triangles of several points near each other. One walk down the box tree lists the leaves that
+ * any of the points may need; each point then searches the listed leaves.
+ * Bounds: a walk that opens each node once; SMR_GROUP_LEAVES leaves for each point, or a search of its own.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "geometry/surface/surface.h"
+
+#define SMR_GROUP_LEAVES 24u /* most leaves that a group searches together */
+
+/* Tests triangle i, unless its normal disagrees or the mask leaves it out: updates *hit when the triangle is closer, or
+ * as close with a smaller rank. */
+static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit)
+{
+    if (smr_dot(smr_get3(f->normal, i), q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
+        return;
+    const uint32_t *t = f->triangle + 3u * (size_t)i;
+    smr_hit found = {0.0f, i, {0, 0, 0}};
+    found.d2 = smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]),
+                                    found.weight);
+    const uint32_t before = hit->triangle;
+    const int first = before == SMR_NONE || f->rank == NULL ? i < before : f->rank[i] < f->rank[before];
+    if (found.d2 < hit->d2 || (found.d2 == hit->d2 && first))
+        *hit = found;
+}
+
+/* Returns the children of a node within the squared distance `bound` of a box as bits. */
+static uint32_t children_near(const smr_node *node, smr_box box, float bound)
+{
+    uint32_t near = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        const float x = smr_positive(node->lo[0][k] - box.hi.x) + smr_positive(box.lo.x - node->hi[0][k]);
+        const float y = smr_positive(node->lo[1][k] - box.hi.y) + smr_positive(box.lo.y - node->hi[1][k]);
+        const float z = smr_positive(node->lo[2][k] - box.hi.z) + smr_positive(box.lo.z - node->hi[2][k]);
+        near |= x * x + y * y + z * z <= bound ? smr_child_bit[k] : 0u;
+    }
+    return near;
+}
+
+/* Lists the leaves within the squared distance `bound` of a box. Returns their number; above SMR_GROUP_LEAVES: many. */
+static uint32_t list_leaves(const smr_box_tree *f, smr_box box, float bound, uint32_t leaf[SMR_GROUP_LEAVES])
+{
+    uint32_t from[2u * SMR_GROUP_LEAVES], n = 1;
+    leaf[0] = 0;
+    for (uint32_t level = f->n_levels - 1u; level > 0u && n <= SMR_GROUP_LEAVES; level--) {
+        const uint32_t n_above = n;
+        memcpy(from, leaf, n * sizeof *leaf);
+        n = 0;
+        for (uint32_t i = 0; i < n_above && n <= SMR_GROUP_LEAVES; i++)
+            for (uint32_t near = children_near(&f->node[f->level[level] + from[i]], box, bound); near != 0u;
+                 near &= near - 1u, n++)
+                if (n < SMR_GROUP_LEAVES)
+                    leaf[n] = from[i] * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(near);
+    }
+    return n;
+}
+
+/* Searches the listed leaves for q's closest triangle. */
+static void search_leaves(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, const uint32_t *leaf,
+                          uint32_t n_leaves, smr_hit *hit)
+{
+    for (uint32_t k = 0; k < n_leaves; k++) {
+        float d2[SMR_TREE_WIDTH];
+        const uint32_t first = leaf[k] * SMR_TREE_WIDTH;
+        for (uint32_t near = smr_box_distances(&f->node[f->level[0] + leaf[k]], q->point, hit->d2, d2); near != 0u;
+             near &= near - 1u) {
+            const uint32_t c = (uint32_t)__builtin_ctz(near);
+            if (d2[c] <= hit->d2 && first + c < f->n_triangles && first + c != q->warm)
+                try_triangle(f, mask, q, first + c, hit);
+        }
+    }
+}
+
+void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_query *q, uint32_t n, smr_hit *hit)
+{
+    smr_box box = {q[0].point, q[0].point};
+    float bound = 0.0f;
+    uint32_t leaf[SMR_GROUP_LEAVES];
+    for (uint32_t i = 0; i < n; i++) {
+        if (q[i].warm >= f->n_triangles)
+            q[i].warm = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
+        if (q[i].warm < f->n_triangles)
+            try_triangle(f, mask, &q[i], q[i].warm, &hit[i]);
+        else
+            smr_tree_closest_but(f, mask, &q[i], &hit[i]);
+        bound = smr_max(bound, hit[i].d2);
+        box = (smr_box){smr_low(box.lo, q[i].point), smr_high(box.hi, q[i].point)};
+    }
+    const uint32_t n_leaves = f->n_levels > 0u ? list_leaves(f, box, bound, leaf) : 0u;
+    for (uint32_t i = 0; i < n; i++)
+        if (n_leaves <= SMR_GROUP_LEAVES)
+            search_leaves(f, mask, &q[i], leaf, n_leaves, &hit[i]);
+        else
+            smr_tree_closest_but(f, mask, &q[i], &hit[i]);
+}
