@@ -1,11 +1,11 @@
-/* closest_group.c: closest triangles of several points near each other. One walk down the box tree lists the leaves that
- * any of the points may need; each point then searches the listed leaves.
- * Bounds: a walk that opens each node once; SMR_GROUP_LEAVES leaves for each point, or a search of its own.
+/* closest_group.c: closest triangles of several points near each other. One walk down the box tree lists the nodes that
+ * any of the points may need; each point then searches the listed nodes.
+ * Bounds: a walk that opens each node once; SMR_GROUP_NODES nodes and their leaves for each point, or its own search.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "geometry/surface/surface.h"
 
-#define SMR_GROUP_LEAVES 24u /* most leaves that a group searches together */
+#define SMR_GROUP_NODES 24u /* most nodes above the leaves that a group searches together */
 
 /* Tests triangle i, unless its normal disagrees or the mask leaves it out: updates *hit when the triangle is closer, or
  * as close with a smaller rank. */
@@ -36,37 +36,52 @@ static uint32_t children_near(const smr_node *node, smr_box box, float bound)
     return near;
 }
 
-/* Lists the leaves within the squared distance `bound` of a box. Returns their number; above SMR_GROUP_LEAVES: many. */
-static uint32_t list_leaves(const smr_box_tree *f, smr_box box, float bound, uint32_t leaf[SMR_GROUP_LEAVES])
+/* Lists the nodes of the level above the leaves within the squared distance `bound` of a box. Returns their number; above
+ * SMR_GROUP_NODES: too many. */
+static uint32_t list_nodes(const smr_box_tree *f, smr_box box, float bound, uint32_t node[SMR_GROUP_NODES])
 {
-    uint32_t from[2u * SMR_GROUP_LEAVES], n = 1;
-    leaf[0] = 0;
-    for (uint32_t level = f->n_levels - 1u; level > 0u && n <= SMR_GROUP_LEAVES; level--) {
+    uint32_t from[SMR_GROUP_NODES], n = f->n_levels > 0u;
+    node[0] = 0;
+    for (uint32_t level = f->n_levels; level > 2u && n <= SMR_GROUP_NODES; level--) {
         const uint32_t n_above = n;
-        memcpy(from, leaf, n * sizeof *leaf);
+        memcpy(from, node, n * sizeof *node);
         n = 0;
-        for (uint32_t i = 0; i < n_above && n <= SMR_GROUP_LEAVES; i++)
-            for (uint32_t near = children_near(&f->node[f->level[level] + from[i]], box, bound); near != 0u;
+        for (uint32_t i = 0; i < n_above; i++)
+            for (uint32_t near = children_near(&f->node[f->level[level - 1u] + from[i]], box, bound); near != 0u;
                  near &= near - 1u, n++)
-                if (n < SMR_GROUP_LEAVES)
-                    leaf[n] = from[i] * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(near);
+                if (n < SMR_GROUP_NODES)
+                    node[n] = from[i] * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(near);
     }
     return n;
 }
 
-/* Searches the listed leaves for q's closest triangle. */
-static void search_leaves(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, const uint32_t *leaf,
-                          uint32_t n_leaves, smr_hit *hit)
+/* Searches a leaf for q's closest triangle. */
+static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t leaf,
+                        smr_hit *hit)
 {
-    for (uint32_t k = 0; k < n_leaves; k++) {
-        float d2[SMR_TREE_WIDTH];
-        const uint32_t first = leaf[k] * SMR_TREE_WIDTH;
-        for (uint32_t near = smr_box_distances(&f->node[f->level[0] + leaf[k]], q->point, hit->d2, d2); near != 0u;
-             near &= near - 1u) {
-            const uint32_t c = (uint32_t)__builtin_ctz(near);
-            if (d2[c] <= hit->d2 && first + c < f->n_triangles && first + c != q->warm)
-                try_triangle(f, mask, q, first + c, hit);
-        }
+    float d2[SMR_TREE_WIDTH];
+    const uint32_t first = leaf * SMR_TREE_WIDTH;
+    for (uint32_t near = smr_box_distances(&f->node[leaf], q->point, hit->d2, d2); near != 0u; near &= near - 1u) {
+        const uint32_t c = (uint32_t)__builtin_ctz(near);
+        if (d2[c] <= hit->d2 && first + c < f->n_triangles && first + c != q->warm)
+            try_triangle(f, mask, q, first + c, hit);
+    }
+}
+
+/* Searches the leaves of a node above them, or the only leaf, for q's closest triangle. */
+static void search_node(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t node,
+                        smr_hit *hit)
+{
+    float d2[SMR_TREE_WIDTH];
+    if (f->n_levels == 1u) {
+        search_leaf(f, mask, q, node, hit);
+        return;
+    }
+    for (uint32_t near = smr_box_distances(&f->node[f->level[1] + node], q->point, hit->d2, d2); near != 0u;
+         near &= near - 1u) {
+        const uint32_t c = (uint32_t)__builtin_ctz(near);
+        if (d2[c] <= hit->d2)
+            search_leaf(f, mask, q, node * SMR_TREE_WIDTH + c, hit);
     }
 }
 
@@ -74,7 +89,7 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
 {
     smr_box box = {q[0].point, q[0].point};
     float bound = 0.0f;
-    uint32_t leaf[SMR_GROUP_LEAVES];
+    uint32_t node[SMR_GROUP_NODES];
     for (uint32_t i = 0; i < n; i++) {
         if (q[i].warm >= f->n_triangles)
             q[i].warm = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
@@ -85,10 +100,11 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
         bound = smr_max(bound, hit[i].d2);
         box = (smr_box){smr_low(box.lo, q[i].point), smr_high(box.hi, q[i].point)};
     }
-    const uint32_t n_leaves = f->n_levels > 0u ? list_leaves(f, box, bound, leaf) : 0u;
-    for (uint32_t i = 0; i < n; i++)
-        if (n_leaves <= SMR_GROUP_LEAVES)
-            search_leaves(f, mask, &q[i], leaf, n_leaves, &hit[i]);
-        else
+    const uint32_t n_nodes = list_nodes(f, box, bound, node);
+    for (uint32_t i = 0; i < n; i++) {
+        for (uint32_t k = 0; k < n_nodes && n_nodes <= SMR_GROUP_NODES; k++)
+            search_node(f, mask, &q[i], node[k], &hit[i]);
+        if (n_nodes > SMR_GROUP_NODES)
             smr_tree_closest_but(f, mask, &q[i], &hit[i]);
+    }
 }
