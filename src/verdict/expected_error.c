@@ -362,7 +362,7 @@ static solved solve(const normal_field *f, const places *p)
 {
     const lanes motions = 1.0f + f->motions * (1.0f + dot(p->arm, p->arm)), through = dot(p->motion, p->normal);
     solved k = {3.0f * motions + f->more * dot(p->motion, p->motion), motions + f->more * through * through,
-               times(p->motion, all(f->again)), all(SMR_FAR)};
+                times(p->motion, all(f->again)), all(SMR_FAR)};
     for (uint32_t i = 0; i < f->n; i++) {
         const float *const row = smr_factor_row(f->lower, i);
         lanes d2;

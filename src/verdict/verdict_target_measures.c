@@ -86,7 +86,8 @@ typedef struct group {
 
 /* Adds a position of the model to the group, with its normal, a target triangle to try first, and the squared search
  * distance. Returns 1 when the group is full. */
-static int add_query(const surface_pair *p, group *g, uint32_t item, smr_vec at, smr_vec normal, uint32_t warm, float d2)
+static int add_query(const surface_pair *p, group *g, uint32_t item, smr_vec at, smr_vec normal, uint32_t warm,
+                     float d2)
 {
     const smr_vec to = smr_add(at, smr_sub(p->s->shape.origin, p->target->origin));
     g->query[g->n] = (smr_query){to, normal, -2.0f, SMR_MEASURE_NODES, warm};

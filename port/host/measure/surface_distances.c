@@ -15,6 +15,52 @@ static int by_distance(const void *a, const void *b)
     return mm != 0 ? mm : (x->weight > y->weight) - (x->weight < y->weight);
 }
 
+#define DIGIT_BITS 11
+#define DIGITS (1u << DIGIT_BITS)
+
+static uint32_t digit_of(const host_weighted *value, int pass)
+{
+    uint32_t bits; /* of distances, which are not negative, in the order of the distances */
+    memcpy(&bits, &value->mm, sizeof bits);
+    return bits >> (DIGIT_BITS * pass) & (DIGITS - 1u);
+}
+
+/* Sorts by one digit of the distances; values with equal digits keep their order. */
+static void sort_pass(const host_weighted *from, host_weighted *to, size_t n, int pass)
+{
+    size_t start[DIGITS] = {0}, sum = 0;
+    for (size_t i = 0; i < n; i++)
+        start[digit_of(&from[i], pass)]++;
+    for (size_t d = 0; d < DIGITS; d++) {
+        const size_t count = start[d];
+        start[d] = sum;
+        sum += count;
+    }
+    for (size_t i = 0; i < n; i++)
+        to[start[digit_of(&from[i], pass)]++] = from[i];
+}
+
+/* Sorts by distance, and equal distances by weight. */
+static void sort(host_weighted *value, size_t n)
+{
+    host_weighted *const other = n > DIGITS ? malloc(n * sizeof *other) : NULL;
+    if (other == NULL) {
+        qsort(value, n, sizeof *value, by_distance);
+        return;
+    }
+    sort_pass(value, other, n, 0);
+    sort_pass(other, value, n, 1);
+    sort_pass(value, other, n, 2);
+    memcpy(value, other, n * sizeof *value);
+    free(other);
+    for (size_t i = 0, end = 1; i < n; i = end++) {
+        while (end < n && !(value[end].mm > value[i].mm))
+            end++;
+        if (end - i > 1u)
+            qsort(value + i, end - i, sizeof *value, by_distance);
+    }
+}
+
 host_stats host_stats_of(host_weighted *value, size_t n)
 {
     host_stats stats = {0.0, 0.0, 0.0, 0.0, 0, 0.0};
@@ -23,7 +69,7 @@ host_stats host_stats_of(host_weighted *value, size_t n)
     stats.n = n;
     if (n == 0)
         return stats;
-    qsort(value, n, sizeof *value, by_distance);
+    sort(value, n);
     for (i = 0; i < n; i++) {
         const double mm = (double)value[i].mm, weight = (double)value[i].weight;
         sum += weight * mm;
@@ -282,13 +328,26 @@ smr_surface *host_points_surface(const host_mesh *mesh, void **memory)
 #define CHUNK 256u                    /* points per task */
 #define FAR_MM (4.0f * SMR_COORD_MAX) /* mm; larger than the distance of any two legal points */
 
+#define SURELY 1.0001f  /* factor on a search distance, for rounding */
+#define SURELY_MM 0.01f /* added to it: more than rounding of coordinates */
+
+/* The distance from a point to the surface. last: the last closest point found, near which the search begins. */
+static float distance_near(const smr_surface *surface, const float point[3], smr_closest *last)
+{
+    float most = FAR_MM;
+    if (last->triangle != SMR_NONE) {
+        const float x = point[0] - last->point[0], y = point[1] - last->point[1], z = point[2] - last->point[2];
+        most = SURELY * sqrtf(x * x + y * y + z * z) + SURELY_MM;
+    }
+    if (smr_surface_closest(surface, point, NULL, -1.0f, most, last) == SMR_OK && last->triangle == SMR_NONE)
+        (void)smr_surface_closest(surface, point, NULL, -1.0f, FAR_MM, last);
+    return last->triangle != SMR_NONE ? last->distance : NAN;
+}
+
 float host_distance(const smr_surface *surface, const float point[3])
 {
-    smr_closest hit = {0};
-    hit.triangle = SMR_NONE;
-    if (smr_surface_closest(surface, point, NULL, -1.0f, FAR_MM, &hit) != SMR_OK || hit.triangle == SMR_NONE)
-        return NAN;
-    return hit.distance;
+    smr_closest hit = {.triangle = SMR_NONE};
+    return distance_near(surface, point, &hit);
 }
 
 typedef struct chunk {
@@ -300,9 +359,10 @@ typedef struct chunk {
 static void run_chunk(void *arg, uint32_t task, uint32_t worker)
 {
     chunk *const c = (chunk *)arg + task;
+    smr_closest last = {.triangle = SMR_NONE};
     (void)worker;
     for (size_t i = c->first; i < c->first + c->n; i++) {
-        c->query->mm[i] = host_distance(c->query->surface, c->query->samples.xyz + 3u * i);
+        c->query->mm[i] = distance_near(c->query->surface, c->query->samples.xyz + 3u * i, &last);
         c->failed |= isnan(c->query->mm[i]);
     }
 }
