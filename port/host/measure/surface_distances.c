@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/system.h"
+#include "measure/sample_order.h"
 
 static int by_distance(const void *a, const void *b)
 {
@@ -15,51 +16,28 @@ static int by_distance(const void *a, const void *b)
     return mm != 0 ? mm : (x->weight > y->weight) - (x->weight < y->weight);
 }
 
-#define DIGIT_BITS 11
-#define DIGITS (1u << DIGIT_BITS)
-
-static uint32_t digit_of(const host_weighted *value, int pass)
-{
-    uint32_t bits; /* of distances, which are not negative, in the order of the distances */
-    memcpy(&bits, &value->mm, sizeof bits);
-    return bits >> (DIGIT_BITS * pass) & (DIGITS - 1u);
-}
-
-/* Sorts by one digit of the distances; values with equal digits keep their order. */
-static void sort_pass(const host_weighted *from, host_weighted *to, size_t n, int pass)
-{
-    size_t start[DIGITS] = {0}, sum = 0;
-    for (size_t i = 0; i < n; i++)
-        start[digit_of(&from[i], pass)]++;
-    for (size_t d = 0; d < DIGITS; d++) {
-        const size_t count = start[d];
-        start[d] = sum;
-        sum += count;
-    }
-    for (size_t i = 0; i < n; i++)
-        to[start[digit_of(&from[i], pass)]++] = from[i];
-}
-
-/* Sorts by distance, and equal distances by weight. */
+/* Sorts by distance, and equal distances by weight. Distances are not negative, so their bits are in their order. */
 static void sort(host_weighted *value, size_t n)
 {
-    host_weighted *const other = n > DIGITS ? malloc(n * sizeof *other) : NULL;
-    if (other == NULL) {
-        qsort(value, n, sizeof *value, by_distance);
-        return;
+    host_keyed *const list = calloc(2u * n, sizeof *list);
+    for (size_t i = 0; list != NULL && i < n; i++)
+        memcpy(&list[i], &value[i], sizeof *list);
+    if (list != NULL) {
+        host_sort_keys(list, list + n, n);
+        memcpy(value, list + n, n * sizeof *value);
     }
-    sort_pass(value, other, n, 0);
-    sort_pass(other, value, n, 1);
-    sort_pass(value, other, n, 2);
-    memcpy(value, other, n * sizeof *value);
-    free(other);
-    for (size_t i = 0, end = 1; i < n; i = end++) {
+    for (size_t i = 0, end = 1; list != NULL && i < n; i = end++) {
         while (end < n && !(value[end].mm > value[i].mm))
             end++;
         if (end - i > 1u)
             qsort(value + i, end - i, sizeof *value, by_distance);
     }
+    if (list == NULL)
+        qsort(value, n, sizeof *value, by_distance);
+    free(list);
 }
+
+_Static_assert(sizeof(host_keyed) == sizeof(host_weighted), "a distance's bits are the key, its weight's the item");
 
 host_stats host_stats_of(host_weighted *value, size_t n)
 {
@@ -325,29 +303,12 @@ smr_surface *host_points_surface(const host_mesh *mesh, void **memory)
     return surface;
 }
 
-#define CHUNK 256u                    /* points per task */
-#define FAR_MM (4.0f * SMR_COORD_MAX) /* mm; larger than the distance of any two legal points */
-
-#define SURELY 1.0001f  /* factor on a search distance, for rounding */
-#define SURELY_MM 0.01f /* added to it: more than rounding of coordinates */
-
-/* The distance from a point to the surface. last: the last closest point found, near which the search begins. */
-static float distance_near(const smr_surface *surface, const float point[3], smr_closest *last)
-{
-    float most = FAR_MM;
-    if (last->triangle != SMR_NONE) {
-        const float x = point[0] - last->point[0], y = point[1] - last->point[1], z = point[2] - last->point[2];
-        most = SURELY * sqrtf(x * x + y * y + z * z) + SURELY_MM;
-    }
-    if (smr_surface_closest(surface, point, NULL, -1.0f, most, last) == SMR_OK && last->triangle == SMR_NONE)
-        (void)smr_surface_closest(surface, point, NULL, -1.0f, FAR_MM, last);
-    return last->triangle != SMR_NONE ? last->distance : NAN;
-}
+#define CHUNK 256u /* points per task */
 
 float host_distance(const smr_surface *surface, const float point[3])
 {
-    smr_closest hit = {.triangle = SMR_NONE};
-    return distance_near(surface, point, &hit);
+    float mm = -1.0f;
+    return smr_surface_distances(surface, point, 1, &mm) == SMR_OK && mm >= 0.0f ? mm : NAN;
 }
 
 typedef struct chunk {
@@ -359,11 +320,15 @@ typedef struct chunk {
 static void run_chunk(void *arg, uint32_t task, uint32_t worker)
 {
     chunk *const c = (chunk *)arg + task;
-    smr_closest last = {.triangle = SMR_NONE};
+    const uint32_t *const order = c->query->order + c->first;
+    float xyz[CHUNK][3], mm[CHUNK];
     (void)worker;
-    for (size_t i = c->first; i < c->first + c->n; i++) {
-        c->query->mm[i] = distance_near(c->query->surface, c->query->samples.xyz + 3u * i, &last);
-        c->failed |= isnan(c->query->mm[i]);
+    for (size_t i = 0; i < c->n; i++)
+        memcpy(xyz[i], c->query->samples.xyz + 3u * (size_t)order[i], sizeof xyz[i]);
+    c->failed = smr_surface_distances(c->query->surface, xyz[0], (uint32_t)c->n, mm) != SMR_OK;
+    for (size_t i = 0; i < c->n && !c->failed; i++) {
+        c->query->mm[order[i]] = mm[i];
+        c->failed = mm[i] < 0.0f;
     }
 }
 
@@ -373,6 +338,7 @@ static void place_samples(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     if (host_samples_make(&query->mesh, &query->samples) == 0)
         query->mm = malloc(sizeof(float) * query->samples.n);
+    query->order = host_sample_order(query->samples.xyz, query->samples.n);
 }
 
 int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries)
@@ -382,7 +348,7 @@ int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries
     host_parallel(port, place_samples, queries, n_queries);
     for (uint32_t q = 0; q < n_queries; q++) {
         n += (queries[q].samples.n + CHUNK - 1u) / CHUNK;
-        failed |= queries[q].mm == NULL;
+        failed |= queries[q].mm == NULL || queries[q].order == NULL;
     }
     chunk *chunks = failed ? NULL : calloc(n + 1u, sizeof *chunks);
     if (chunks == NULL)
@@ -404,7 +370,9 @@ void host_queries_free(host_query *queries, uint32_t n_queries)
     for (uint32_t q = 0; queries != NULL && q < n_queries; q++) {
         host_samples_free(&queries[q].samples);
         free(queries[q].mm);
+        free(queries[q].order);
         queries[q].mm = NULL;
+        queries[q].order = NULL;
     }
 }
 

@@ -108,3 +108,30 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
             smr_tree_closest_but(f, mask, &q[i], &hit[i]);
     }
 }
+
+smr_status smr_surface_distances(const smr_surface *surface, const float *xyz, uint32_t n, float *mm)
+{
+    smr_query q[SMR_GROUP_POINTS];
+    smr_hit hit[SMR_GROUP_POINTS];
+    uint32_t last = SMR_NONE;
+    if (surface == NULL || xyz == NULL || mm == NULL)
+        return SMR_E_NULL;
+    if (!smr_surface_valid(surface))
+        return SMR_E_STATE;
+    for (uint32_t i = 0; i < n; i++)
+        if (!smr_within3(smr_get3(xyz, i), SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    for (uint32_t first = 0; first < n; first += SMR_GROUP_POINTS) {
+        const uint32_t count = smr_min_u32(n - first, SMR_GROUP_POINTS);
+        for (uint32_t i = 0; i < count; i++) {
+            const smr_vec at = smr_sub(smr_get3(xyz, first + i), surface->origin);
+            q[i] = (smr_query){at, smr_v(0, 0, 0), -2.0f, UINT32_MAX, i == 0u ? last : SMR_NONE};
+            hit[i] = (smr_hit){SMR_FAR, SMR_NONE, {0, 0, 0}};
+        }
+        smr_closest_group(&surface->tree, NULL, q, count, hit);
+        last = hit[count - 1u].triangle;
+        for (uint32_t i = 0; i < count; i++)
+            mm[first + i] = hit[i].triangle == SMR_NONE ? -1.0f : SMR_SQRT(hit[i].d2);
+    }
+    return SMR_OK;
+}
