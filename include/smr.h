@@ -465,14 +465,13 @@ typedef struct smr_closest {
 } smr_closest;
 
 /* Finds the exact closest point of the surface to `point` (3 floats, mm), within max_mm (0 or more). normal: NULL, or 3
- * floats, unit: only triangles whose normal has at least the cosine min_cos with `normal` are searched. Of equally near
- * triangles the one with the smallest index is returned. If no triangle is within max_mm, the result is SMR_OK and
- * hit->triangle is SMR_NONE. Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
+ * floats, unit: only triangles whose normal has at least the cosine min_cos with `normal` count. Of equally near ones
+ * the smallest index wins. hit->triangle SMR_NONE: none is near. Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
 
-/* Writes mm[n], the distances of n points xyz[n][3], mm, to the surface; -1: a cloud without points. Several times
- * faster than smr_surface_closest() where neighbours in the list lie near each other. Errors: as there. */
+/* Writes mm[n], the distances of n points xyz[n][3], mm, to the surface; -1: a cloud without points. A list in which
+ * neighbours lie near each other takes a part of the time of smr_surface_closest(). Errors: as there. */
 smr_status smr_surface_distances(const smr_surface *surface, const float *xyz, uint32_t n, float *mm);
 
 /* Begins smr_surface_build() in pieces, for callers with little time at once; smr_surface_step() does the work. Until
@@ -481,15 +480,15 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
 
 /* Begins to replace the positions of a complete surface's vertices by xyz[n_vertices][3] mm, in the mesh's order, which
  * the library borrows; smr_surface_step() does the work, several times faster than a build. A registration onto the
- * surface may not tick (E_STATE) until the refit is complete and smr_set_surface() has set the surface again. The tree
- * is that of the first positions: searches are slower where it no longer fits. The surface's checksum in a log depends
- * on both positions, so a replay refits the same surfaces. Errors: E_NULL, E_STATE (not a complete surface). */
+ * surface may not tick (E_STATE) until the refit is complete and smr_set_surface() has set it again. The tree of the
+ * first positions stays, perhaps with slower searches. A log's checksum of the surface depends on both positions, so
+ * a replay refits. Errors: E_NULL, E_STATE (not a complete surface). */
 smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
 
 /* Continues a build or a refit for `units` pieces of work of about 256 vertices or triangles each (0: no limit), or
- * until budget_ns have passed by the port's clock (0, or no clock: no limit), by one piece at most, and at least for one
- * piece. Neither limit changes a bit. SMR_OK: the surface is complete. SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE
- * (not a surface), E_INPUT (an index, a coordinate, a changed cloud): a surface being refitted then is as before. */
+ * until budget_ns have passed by the port's clock (0, or no clock: no limit), to the end of a piece. Limits change no
+ * bit. SMR_OK: the surface is complete. SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE (not a surface), E_INPUT (an
+ * index, a coordinate, a changed cloud): a built surface is then no surface, a refitted one as before. */
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
 /* ------------------------------------------------------------------ 10. start poses */

@@ -176,8 +176,8 @@ typedef struct measured {
     uint32_t structure, triangle; /* that triangle, if near */
 } measured;
 
-/* Returns 1 when position c of the target lies within `near` mm of the structures that share the target: by its distance
- * to the last position, by the triangle found there, or by a search. */
+/* Returns 1 when position c of the target lies within `near` mm of the structures that share the target: by its
+ * distance to the last position, by the triangle found there, or by a search. */
 static int is_covered(const surface_pair *p, smr_vec c, float near, measured *last)
 {
     smr_hit hit;

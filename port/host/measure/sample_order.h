@@ -14,7 +14,7 @@ typedef struct host_keyed {
 /* Sorts n entries by key into sorted[n]; entries with equal keys keep their order. list[n] is scratch afterwards. */
 void host_sort_keys(host_keyed *list, host_keyed *sorted, size_t n);
 
-/* Returns the indexes [n] of positions xyz[n][3] along a Z-order curve through their box; owned by the caller. NULL when
+/* Returns the indexes [n] of positions xyz[n][3] along a Z-order curve through their box; owned by the caller. NULL:
  * out of memory. */
 uint32_t *host_sample_order(const float *xyz, size_t n);
 

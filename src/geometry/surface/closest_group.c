@@ -36,8 +36,8 @@ static uint32_t children_near(const smr_node *node, smr_box box, float bound)
     return near;
 }
 
-/* Lists the nodes of the level above the leaves within the squared distance `bound` of a box. Returns their number; above
- * SMR_GROUP_NODES: too many. */
+/* Lists the nodes of the level above the leaves within the squared distance `bound` of a box. Returns their number;
+ * above SMR_GROUP_NODES: too many. */
 static uint32_t list_nodes(const smr_box_tree *f, smr_box box, float bound, uint32_t node[SMR_GROUP_NODES])
 {
     uint32_t from[SMR_GROUP_NODES], n = f->n_levels > 0u;
@@ -102,6 +102,10 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
     }
     const uint32_t n_nodes = list_nodes(f, box, bound, node);
     for (uint32_t i = 0; i < n; i++) {
+        const uint32_t before = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
+        if (before < f->n_triangles && before != q[i].warm)
+            try_triangle(f, mask, &q[i], before, &hit[i]);
+        q[i].warm = hit[i].triangle;
         for (uint32_t k = 0; k < n_nodes && n_nodes <= SMR_GROUP_NODES; k++)
             search_node(f, mask, &q[i], node[k], &hit[i]);
         if (n_nodes > SMR_GROUP_NODES)
