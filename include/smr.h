@@ -464,31 +464,31 @@ typedef struct smr_closest {
     uint32_t on_border; /* 1: the point lies on an edge with one triangle only */
 } smr_closest;
 
-/* Finds the exact closest point of the surface to `point` (3 floats, mm), within max_mm (0 or more). normal: 3 floats,
- * unit; the search considers only triangles whose normal has at least the cosine min_cos with `normal`. NULL: the
- * search considers all triangles. Of equally near triangles the one with the smallest index is returned. If no triangle
- * is within max_mm, the result is SMR_OK and hit->triangle is SMR_NONE.
- * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
+/* Finds the exact closest point of the surface to `point` (3 floats, mm), within max_mm (0 or more). normal: NULL, or 3
+ * floats, unit: only triangles whose normal has at least the cosine min_cos with `normal` count. Of equally near ones
+ * the smallest index wins. hit->triangle SMR_NONE: none is near. Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
+
+/* Writes mm[n], the distances of n points xyz[n][3], mm, to the surface; -1: a cloud without points. A list in which
+ * neighbours lie near each other takes a part of the time of smr_surface_closest(). Errors: as there. */
+smr_status smr_surface_distances(const smr_surface *surface, const float *xyz, uint32_t n, float *mm);
 
 /* Begins smr_surface_build() in pieces, for callers with little time at once; smr_surface_step() does the work. Until
  * then the mesh must stay, and other calls get E_STATE. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (a count). */
 smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
-/* Begins to replace the positions of a complete surface's vertices by xyz[n_vertices][3] mm, in the mesh's order;
- * smr_surface_step() does the work, several times faster than a build. The library borrows xyz until smr_surface_step()
- * returns SMR_OK. A registration with the surface as a target may not tick (E_STATE) until the refit is complete and
- * smr_set_surface() has set the surface again; to tick meanwhile, set another surface. The refitted surface keeps the
- * tree of the first positions: searches are slower where the tree no longer fits. The surface's checksum in a log
- * depends on both positions, so a replay refits the same surfaces. Errors: E_NULL, E_STATE (not a complete surface). */
+/* Begins to replace the positions of a complete surface's vertices by xyz[n_vertices][3] mm, in the mesh's order, which
+ * the library borrows; smr_surface_step() does the work, several times faster than a build. A registration onto the
+ * surface may not tick (E_STATE) until the refit is complete and smr_set_surface() has set it again. The tree of the
+ * first positions stays, perhaps with slower searches. A log's checksum of the surface depends on both positions, so
+ * a replay refits. Errors: E_NULL, E_STATE (not a complete surface). */
 smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
 
 /* Continues a build or a refit for `units` pieces of work of about 256 vertices or triangles each (0: no limit), or
- * until budget_ns have passed by the port's clock (0, or no clock: no limit). The call exceeds budget_ns by one piece
- * at most and always does one piece. Neither limit changes a bit of the result. SMR_OK: the surface is complete.
- * SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE (not a surface), E_INPUT (an index, a coordinate, or a changed
- * cloud). After E_INPUT a surface being built is no surface, and a surface being refitted is as before. */
+ * until budget_ns have passed by the port's clock (0, or no clock: no limit), to the end of a piece. Limits change no
+ * bit. SMR_OK: the surface is complete. SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE (not a surface), E_INPUT (an
+ * index, a coordinate, a changed cloud): a built surface is then no surface, a refitted one as before. */
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
 /* ------------------------------------------------------------------ 10. start poses */

@@ -258,7 +258,8 @@ STRUCTS = {"smr_mesh": _Mesh, "smr_structure": _Structure, "smr_volume": _Volume
 # Calls that return a status: p pointer, u uint32_t, z size_t, q uint64_t, f float.
 _CALLS = {
     "smr_surface_bytes": "uup", "smr_surface_build": "ppzp", "smr_surface_refit": "pp", "smr_surface_step": "pupq",
-    "smr_surface_closest": "pppffp", "smr_points_bytes": "up", "smr_points_open": "upzp", "smr_points_add": "ppppu",
+    "smr_surface_closest": "pppffp", "smr_surface_distances": "ppup", "smr_points_bytes": "up",
+    "smr_points_open": "upzp", "smr_points_add": "ppppu",
     "smr_points_weigh": "puf", "smr_points_clear": "p", "smr_points_count": "pp", "smr_points_surface_bytes": "up",
     "smr_points_surface": "ppzp", "smr_align_bytes": "pp", "smr_align": "ppppzpp", "smr_align_landmarks": "ppuupp",
     "smr_warp_bytes": "up", "smr_warp_fit": "ppufpzpp", "smr_warp_apply": "ppu", "smr_prepare_bytes": "pupp",

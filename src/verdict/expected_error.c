@@ -8,10 +8,10 @@
  * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
  * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has a
  * variance of its own, and the displacement that it would add counts as error, too.
- * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 for each
- * of SMR_NOISE_ROUNDS + 2 factors; one pass over triangles. Landmarks: SMR_LANDMARKS_MAX^3 / 6 once,
- * SMR_LANDMARKS_MAX^2 / 2 for each vertex.
+ * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 for each of
+ * SMR_NOISE_ROUNDS + 2 factors; a pass over triangles. Landmarks: SMR_LANDMARKS_MAX^3 / 6, its square / 2 a vertex.
  * SPDX-License-Identifier: MIT */
+#include "base/lanes.h"
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/verdict_measures.h"
 
@@ -34,9 +34,26 @@
 #define SMR_NORMAL_MOST 4.0e3f    /* largest variance of the motion from the start / field's; beyond: rounding errors */
 #define SMR_NORMAL_TURN 0.1f      /* smallest 1 + trace of a rotation in a divisor (4: no turn): limits half turns */
 
+/* Terms of an observation in its covariances with other positions. */
+typedef struct terms {
+    smr_vec turn; /* vector from the middle, in kernel lengths, cross normal */
+    float scale;  /* that vector . normal */
+    float more;   /* normal_field.more times the motion from the start . normal */
+} terms;
+
+/* Positions whose covariances with the observations are computed at once. */
+typedef struct places {
+    smr_lanes3 at;     /* start position, mm */
+    smr_lanes3 normal; /* in the start's frame */
+    smr_lanes3 arm;    /* vector from the middle, in kernel lengths */
+    smr_lanes3 motion; /* displacement by the motion from the start, mm */
+} places;
+
 /* The displacement from the start as a Gaussian process, observed along normals. */
 typedef struct normal_field {
     const smr *s;
+    smr_lanes3 *known; /* [n] for each axis of SMR_LANES positions: L^-1 of the covariances with the observations */
+    terms *term;       /* [n] in the memory of records behind the expected errors */
     float *at;         /* [n][3] start positions of the observed vertices, mm */
     float *normal;     /* [n][3] normals of the observed vertices in the start's frame */
     float *moved;      /* [n] observed displacement along the normal, mm */
@@ -58,7 +75,7 @@ typedef struct normal_field {
     float again;       /* factor on the motion from the start, as the observations give it */
 } normal_field;
 
-/* Places the arrays in the memory of sums. Returns the number of observations that this memory holds. */
+/* Places arrays in the memory of sums, transforms and records. Returns the number of observations that it holds. */
 static uint32_t place(normal_field *f, const smr *s)
 {
     const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
@@ -70,6 +87,8 @@ static uint32_t place(normal_field *f, const smr *s)
     f->moved = f->normal + 3u * (size_t)most;
     f->open = f->moved + most;
     f->lower = f->open + most;
+    f->known = (smr_lanes3 *)s->match.transform;
+    f->term = (terms *)smr_vertex_expected(s, s->shared.n);
     return most;
 }
 
@@ -121,31 +140,56 @@ static smr_vec arm_of(const normal_field *f, smr_vec at)
 /* Returns the displacement, mm, by the motion from the start at an arm of arm_of(). */
 static smr_vec motion_at(const normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
 
-/* Returns the covariance of the displacement at a position with observation i, divided by size2. */
-static smr_vec with_observation(const normal_field *f, smr_vec at, uint32_t i)
+/* Sets lane l of the places to a start position and its normal. */
+static void set_place(const normal_field *f, places *p, uint32_t l, smr_vec at, smr_vec normal)
 {
-    const smr_vec n = smr_get3(f->normal, i), from = smr_get3(f->at, i);
-    const smr_vec arm = arm_of(f, at), other = arm_of(f, from), apart = smr_sub(at, from);
-    const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
-    const smr_vec motions = smr_scale(smr_add(smr_add(n, turn), scale), f->motions);
-    const smr_vec more = smr_scale(motion_at(f, arm), f->more * smr_dot(motion_at(f, other), n));
-    return smr_add(smr_scale(n, smr_kernel(smr_dot(apart, apart), f->per_length2)), smr_add(motions, more));
+    const smr_vec arm = arm_of(f, at);
+    smr_lane_set(&p->at, l, at);
+    smr_lane_set(&p->normal, l, normal);
+    smr_lane_set(&p->arm, l, arm);
+    smr_lane_set(&p->motion, l, motion_at(f, arm));
+}
+
+/* Returns the covariances of the displacements at places with observation i, divided by size2. Sets *d2 to the squared
+ * distances. */
+static inline smr_lanes3 with_observation(const normal_field *f, const places *p, uint32_t i, smr_lanes *d2)
+{
+    const terms *t = &f->term[i];
+    const smr_lanes3 n = smr_lanes3_of(smr_get3(f->normal, i)),
+                     apart = smr_lanes3_add(p->at, smr_lanes3_of(smr_scale(smr_get3(f->at, i), -1.0f)));
+    const smr_lanes3 a = p->arm, turn = {t->turn.y * a.z - t->turn.z * a.y, t->turn.z * a.x - t->turn.x * a.z,
+                                         t->turn.x * a.y - t->turn.y * a.x};
+    const smr_lanes3 motions = smr_lanes3_scale(
+        smr_lanes3_add(smr_lanes3_add(n, turn), smr_lanes3_scale(a, smr_lanes_of(t->scale))), smr_lanes_of(f->motions));
+    *d2 = smr_lanes3_dot(apart, apart);
+    return smr_lanes3_add(smr_lanes3_scale(n, 1.0f / (1.0f + *d2 * f->per_length2)),
+                          smr_lanes3_add(motions, smr_lanes3_scale(p->motion, smr_lanes_of(t->more))));
 }
 
 /* Computes the Cholesky factor of the observations' covariance. */
 static void factor(normal_field *f)
 {
+    places p;
+    smr_lanes d2;
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec at = smr_get3(f->at, i), normal = smr_get3(f->normal, i);
-        for (uint32_t j = 0; j <= i; j++) {
-            const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? f->noise : 0.0f);
-            smr_factor_set(f->lower, i, j, both, 0.5f * f->noise);
+        const smr_vec other = arm_of(f, smr_get3(f->at, i)), n = smr_get3(f->normal, i);
+        f->term[i] = (terms){smr_cross(other, n), smr_dot(other, n), f->more * smr_dot(motion_at(f, other), n)};
+    }
+    for (uint32_t first = 0; first < f->n; first += SMR_LANES) {
+        const uint32_t rows = smr_min_u32(f->n - first, SMR_LANES);
+        for (uint32_t l = 0; l < SMR_LANES; l++) {
+            const uint32_t i = first + smr_min_u32(l, rows - 1u);
+            set_place(f, &p, l, smr_get3(f->at, i), smr_get3(f->normal, i));
+        }
+        for (uint32_t j = 0; j < first + rows; j++) {
+            const smr_lanes both = smr_lanes3_dot(p.normal, with_observation(f, &p, j, &d2));
+            for (uint32_t l = j < first ? 0u : j - first, i = first + l; l < rows; l++, i++)
+                smr_factor_set(f->lower, i, j, both[l] + (i == j ? f->noise : 0.0f), 0.5f * f->noise);
         }
     }
 }
 
-/* Sets size2 to its most likely value for the noise `noise`, y K^-1 y / n. y: observed displacements. K: covariance of
- * the observations. */
+/* Sets size2 to its most likely value, y K^-1 y / n. y: observed displacements. K: covariance of the observations. */
 static void find_size(normal_field *f)
 {
     factor(f);
@@ -194,14 +238,6 @@ static float noise_of(const normal_field *f, uint32_t structure)
     return smr_mean_of(noise, 0.0f);
 }
 
-/* Rotates v by the inverse of a pose's rotation. */
-static smr_vec turned_back(const smr_pose *p, smr_vec v)
-{
-    return smr_v(p->m[0][0] * v.x + p->m[1][0] * v.y + p->m[2][0] * v.z,
-                 p->m[0][1] * v.x + p->m[1][1] * v.y + p->m[2][1] * v.z,
-                 p->m[0][2] * v.x + p->m[1][2] * v.y + p->m[2][2] * v.z);
-}
-
 /* Sets shift and turn to the motion from the start to the pose. */
 static void find_motion(normal_field *f, const smr_pose *p)
 {
@@ -209,7 +245,7 @@ static void find_motion(normal_field *f, const smr_pose *p)
     const smr_vec axis = smr_v(p->m[2][1] - p->m[1][2], p->m[0][2] - p->m[2][0], p->m[1][0] - p->m[0][1]);
     const float per = 2.0f / (SMR_SQRT(f->per_length2) * smr_max(1.0f + trace, SMR_NORMAL_TURN));
     f->turn = smr_scale(axis, per);
-    f->shift = turned_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
+    f->shift = smr_pose_turn_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
 }
 
 /* Sets `open` to the change of the coefficients when the motion from the start has a variance. */
@@ -254,7 +290,7 @@ static float solve_field(normal_field *f, const smr *s, uint32_t structure, floa
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->at, i)), normal = smr_get3(f->normal, i);
         f->moved[i] = smr_dot(smr_sub(smr_get3(f->lower, i), posed), normal);
-        smr_put3(f->normal, i, turned_back(&f->pose, normal));
+        smr_put3(f->normal, i, smr_pose_turn_back(&f->pose, normal));
     }
     const float noise2 = noise_of(f, structure) + residual * residual, assumed = find_sizes(f, noise2);
     f->across2 = SMR_NOISE_SHARE * noise2;
@@ -284,32 +320,68 @@ static parts weighed(const normal_field *f, uint32_t v, parts variance, float fa
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }
 
-/* Returns the squared errors of stored vertex v; without a normal a third of the error counts as across. */
-static parts field_errors(const normal_field *f, uint32_t v)
+/* Variances and displacements of places, from the observations. */
+typedef struct solved {
+    smr_lanes left, across;  /* variance of all axes and across the surface / size2 */
+    smr_lanes3 displacement; /* by the variance of the motion from the start, mm */
+    smr_lanes d2;            /* squared distance to the nearest observation, mm^2 */
+} solved;
+
+/* Computes what the observations leave open at places. */
+static solved solve(const normal_field *f, const places *p)
 {
-    const smr_vec at = smr_get3(f->s->shape.start, v), normal = turned_back(&f->pose, smr_get3(f->s->shape.normal, v));
-    const int has_normal = smr_dot(normal, normal) > 0.5f;
-    float known[3u * SMR_OBSERVATIONS]; /* for each axis: L^-1 of the covariances with the observations */
-    const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
-    const float motions = 1.0f + f->motions * (1.0f + smr_dot(arm, arm)), through = smr_dot(motion, normal);
-    smr_vec displacement = smr_scale(motion, f->again);
-    float left = 3.0f * motions + f->more * smr_dot(motion, motion), far2 = SMR_FAR;
-    float across = motions + f->more * through * through;
+    const smr_lanes motions = 1.0f + f->motions * (1.0f + smr_lanes3_dot(p->arm, p->arm)),
+                    through = smr_lanes3_dot(p->motion, p->normal);
+    solved k = {3.0f * motions + f->more * smr_lanes3_dot(p->motion, p->motion), motions + f->more * through * through,
+                smr_lanes3_scale(p->motion, smr_lanes_of(f->again)), smr_lanes_of(SMR_FAR)};
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec with = with_observation(f, at, i), apart = smr_sub(at, smr_get3(f->at, i));
-        const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
-        smr_put3(known, i, one);
-        left -= smr_dot(one, one);
-        across -= smr_dot(one, normal) * smr_dot(one, normal);
-        displacement = smr_add(displacement, smr_scale(with, f->open[i]));
-        far2 = smr_min(far2, smr_dot(apart, apart) * f->per_length2);
+        const float *const row = smr_factor_row(f->lower, i);
+        smr_lanes d2;
+        const smr_lanes3 with = with_observation(f, p, i, &d2);
+        smr_lanes3 one = with;
+        for (uint32_t j = 0; j < i; j++) {
+            one.x -= f->known[j].x * row[j];
+            one.y -= f->known[j].y * row[j];
+            one.z -= f->known[j].z * row[j];
+        }
+        f->known[i] = one = smr_lanes3_scale(one, smr_lanes_of(1.0f / row[i]));
+        const smr_lanes along = smr_lanes3_dot(one, p->normal);
+        k.left -= smr_lanes3_dot(one, one);
+        k.across -= along * along;
+        k.displacement = smr_lanes3_add(k.displacement, smr_lanes3_scale(with, smr_lanes_of(f->open[i])));
+        for (uint32_t l = 0; l < SMR_LANES; l++)
+            k.d2[l] = smr_min(k.d2[l], d2[l]);
     }
-    left = smr_max(left, 0.0f);
-    across = has_normal ? smr_clamp(across, 0.0f, left) : left * (1.0f / 3.0f);
+    return k;
+}
+
+/* Returns the squared errors of stored vertex v in lane l; without a normal a third of the error counts as across. */
+static parts errors_of(const normal_field *f, uint32_t v, const places *p, const solved *k, uint32_t l)
+{
+    const smr_vec normal = smr_lane(&p->normal, l), displacement = smr_lane(&k->displacement, l);
+    const int has_normal = smr_dot(normal, normal) > 0.5f;
+    const float left = smr_max(k->left[l], 0.0f);
+    const float across = has_normal ? smr_clamp(k->across[l], 0.0f, left) : left * (1.0f / 3.0f);
     const float open = smr_dot(displacement, displacement), moved = smr_dot(displacement, normal);
     const float open_across = has_normal ? smr_min(moved * moved, open) : open * (1.0f / 3.0f);
-    const parts p = weighed(f, v, (parts){across, left - across}, far2);
-    return (parts){p.across + open_across, p.along + open - open_across};
+    const parts e = weighed(f, v, (parts){across, left - across}, k->d2[l] * f->per_length2);
+    return (parts){e.across + open_across, e.along + open - open_across};
+}
+
+/* Computes the squared errors of a structure's vertices from `first` on; lanes beyond its end get the last one. */
+static void field_errors(const normal_field *f, const smr_shape_structure *one, uint32_t first, parts *errors)
+{
+    uint32_t v[SMR_LANES];
+    places p;
+    for (uint32_t l = 0; l < SMR_LANES; l++) {
+        const uint32_t i = one->first_vertex + smr_min_u32(first + l, one->n_vertices - 1u);
+        v[l] = smr_model_position(f->s->shared.model, i);
+        set_place(f, &p, l, smr_get3(f->s->shape.start, v[l]),
+                  smr_pose_turn_back(&f->pose, smr_get3(f->s->shape.normal, v[l])));
+    }
+    const solved k = solve(f, &p);
+    for (uint32_t l = 0; l < SMR_LANES; l++)
+        errors[l] = errors_of(f, v[l], &p, &k, l);
 }
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
@@ -319,6 +391,7 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
     const int by_landmarks = smr_follows_landmarks(s, structure);
     smr_occluded_field through = s->forces.occluded; /* a copy: the field's memory is free, and the original stays */
     normal_field field = {.n = 0};
+    parts error[SMR_LANES];
     const float size2 = by_landmarks ? smr_landmark_field_solve(&through) : solve_field(&field, s, structure, residual);
     const int known = by_landmarks ? size2 >= 0.0f : field.n > 0u;
     field.image_part = e->n_invisible > 0u;
@@ -330,8 +403,10 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
         expected[0] = expected[1] = expected[2] = -1.0f;
         if (!known)
             continue;
+        if (!by_landmarks && i % SMR_LANES == 0u)
+            field_errors(&field, one, i, error);
         const float axis2 = by_landmarks ? size2 * smr_landmark_field_left(&through, v) : 0.0f;
-        const parts p = by_landmarks ? (parts){axis2 + residual * residual, axis2 + axis2} : field_errors(&field, v);
+        const parts p = by_landmarks ? (parts){axis2 + residual * residual, axis2 + axis2} : error[i % SMR_LANES];
         expected[0] = SMR_SQRT(p.across + p.along);
         expected[1] = SMR_SQRT(p.across);
         expected[2] = SMR_SQRT(p.along);

@@ -50,14 +50,15 @@ static smr_status check(const smr *s, const void *out)
     return SMR_OK;
 }
 
-/* Clears e and stores all measures of one structure there. */
-static void gather(const smr *s, uint32_t structure, smr_evidence *e)
+/* Clears e and stores the measures of one structure there: all, or those on which the expected errors depend. */
+static void gather(const smr *s, uint32_t structure, int all, smr_evidence *e)
 {
-    memset(e, 0, sizeof *e);
+    *e = (smr_evidence){.scale_rest = 1.0f};
     if (s->shape.structure[structure].n_vertices == 0u)
         return;
-    smr_measure_shape(s, structure, e);
-    smr_measure_target(s, structure, e);
+    if (all)
+        smr_measure_shape(s, structure, e);
+    smr_measure_target(s, structure, all, e);
     smr_measure_expected(s, structure, e);
 }
 
@@ -68,6 +69,7 @@ static void add_all(smr_evidence *to, const smr_evidence *more)
         to->mean[i].sum += more->mean[i].sum;
         to->mean[i].weight += more->mean[i].weight;
     }
+    to->scale_rest = more->scale_rest;
     to->rotation_deg = smr_max(to->rotation_deg, more->rotation_deg);
 }
 
@@ -101,7 +103,7 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     verdict->rotation_deg = e->rotation_deg;
     verdict->bend_mm = smr_mean_of(e->bend, 0.0f);
     verdict->moved_last_mm = s->evolve.moved_mm;
-    smr_measure_moved(s, structure, verdict);
+    smr_measure_moved(s, structure, e, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
               smr_mean_of(e->strays, 0.0f));
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
@@ -118,9 +120,9 @@ static void judge_all(const smr *s, smr_verdict *verdict)
     float n = 0.0f, doubtful = 0.0f;
     for (uint32_t i = 0; i < s->shared.n_structures; i++) {
         smr_evidence e;
-        gather(s, i, &e);
+        gather(s, i, 1, &e);
         add_all(&all, &e);
-        if (s->shape.structure[i].n_vertices == 0u || !(e.visible.weight > 0.0f))
+        if (s->shared.n_structures == 1u || s->shape.structure[i].n_vertices == 0u || !(e.visible.weight > 0.0f))
             continue;
         conclude(s, i, &e, &one);
         const float count = (float)s->shape.structure[i].n_vertices;
@@ -157,7 +159,7 @@ smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
     if (structure == SMR_ALL) {
         judge_all(s, verdict);
     } else {
-        gather(s, structure, &e);
+        gather(s, structure, 1, &e);
         conclude(s, structure, &e, verdict);
     }
     note_recovering(s, verdict);
@@ -194,7 +196,7 @@ static smr_status get_expected(smr *s, uint32_t structure, float *mm, float *acr
         return status;
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;
-    gather(s, structure, &e);
+    gather(s, structure, 0, &e);
     copy_expected(s, structure, 0, mm);
     copy_expected(s, structure, 1, across_mm);
     copy_expected(s, structure, 2, along_mm);

@@ -34,11 +34,12 @@ typedef struct smr_evidence {
         };
         smr_mean mean[SMR_MEANS]; /* all means as a list */
     };
+    float scale_rest;     /* scale of the similarity from the rest shape to the present positions */
     float rotation_deg;   /* largest rotation of a part against the whole structure, degrees */
     uint32_t n_invisible; /* vertices that the image does not show */
 } smr_evidence;
 
-_Static_assert(offsetof(smr_evidence, rotation_deg) == SMR_MEANS * sizeof(smr_mean), "the list names every mean");
+_Static_assert(offsetof(smr_evidence, scale_rest) == SMR_MEANS * sizeof(smr_mean), "the list names every mean");
 
 static inline void smr_mean_add(smr_mean *m, float value, float weight)
 {
@@ -58,15 +59,17 @@ static inline int smr_follows_landmarks(const smr *s, uint32_t structure)
     return f->landmarks.n > 0u && f->surface.target[structure].surface == NULL && !f->image.has_image;
 }
 
-/* Each function adds measures of one structure: of its shape against the rest shape; of its place on its target. */
+/* Each function adds measures of one structure: of its shape against the rest shape; of its place on its target, with
+ * all 0 only those that the expected errors need: residual and n_invisible. */
 void smr_measure_shape(const smr *s, uint32_t structure, smr_evidence *e);
-void smr_measure_target(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_target(const smr *s, uint32_t structure, int all, smr_evidence *e);
 
 /* Computes the expected errors of each vertex of a structure, smr_vertex_expected(), and adds their means. */
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e);
 
-/* Measures the motion of a structure or of the whole model (SMR_ALL): scale, scale_rest and turned_deg. */
-void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
+/* Measures the motion of a structure or of the whole model (SMR_ALL): scale, scale_rest and turned_deg. e: measures of
+ * the structure, or of the last structure. */
+void smr_measure_moved(const smr *s, uint32_t structure, const smr_evidence *e, smr_verdict *verdict);
 
 /* Sets probability, level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures.
  * strays: share of a cloud's points that are outliers. */

@@ -139,18 +139,23 @@ void smr_measure_shape(const smr *s, uint32_t structure, smr_evidence *e)
 {
     const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_pose whole = pose_of(s, one, 0);
-    add_edges(s, one, scale_of(&whole), e);
-    add_volume(s, one, scale_of(&whole), e);
+    e->scale_rest = scale_of(&whole);
+    add_edges(s, one, e->scale_rest, e);
+    add_volume(s, one, e->scale_rest, e);
     add_rotations(s, one, &whole, e);
 }
 
-void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict)
+void smr_measure_moved(const smr *s, uint32_t structure, const smr_evidence *e, smr_verdict *verdict)
 {
     static const smr_pose none = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     const smr_shape_structure all = {.first_vertex = 0, .n_vertices = s->shared.n};
     const smr_shape_structure *one = structure == SMR_ALL ? &all : &s->shape.structure[structure];
-    const smr_pose rest = pose_of(s, one, 0), start = pose_of(s, one, 1);
-    verdict->scale_rest = scale_of(&rest);
+    const smr_pose start = pose_of(s, one, 1);
+    verdict->scale_rest = e->scale_rest;
+    if (structure == SMR_ALL && s->shared.n_structures > 1u) {
+        const smr_pose rest = pose_of(s, one, 0);
+        verdict->scale_rest = scale_of(&rest);
+    }
     verdict->scale = scale_of(&start);
     verdict->turned_deg = degrees_of(between(&start, &none));
 }

@@ -118,6 +118,32 @@ static double cosine(const double c[9], const float n[3])
     return (x * (double)n[0] + y * (double)n[1] + z * (double)n[2]) / sqrt(x * x + y * y + z * z);
 }
 
+/* Of neighbours on a path and of points far apart, with the bits of single searches. */
+TEST(distances_are_those_of_single_searches)
+{
+    oracle_random r = oracle_seed(102);
+    unit_mesh m = unit_sphere(4, 50.0f, 3.0f);
+    smr_surface *s = unit_surface(&m);
+    float p[999][3], mm[999];
+    for (uint32_t i = 0; i < 999u; i++) {
+        oracle_within_box(&r, -80, 120, p[i]);
+        for (uint32_t c = 0; c < 3u && i > 0u && i < 700u; c++)
+            p[i][c] = p[i - 1u][c] + 0.02f * (p[i][c] - p[i - 1u][c]);
+    }
+    assert_int_equal(smr_surface_distances(s, p[0], 999, mm), SMR_OK);
+    for (uint32_t i = 0; i < 999u; i++) {
+        smr_closest hit;
+        assert_int_equal(smr_surface_closest(s, p[i], NULL, 0, 1e5f, &hit), SMR_OK);
+        assert_memory_equal(&mm[i], &hit.distance, sizeof mm[i]);
+    }
+    assert_int_equal(smr_surface_distances(NULL, p[0], 1, mm), SMR_E_NULL);
+    assert_int_equal(smr_surface_distances(s, p[0], 1, NULL), SMR_E_NULL);
+    p[1][2] = NAN;
+    assert_int_equal(smr_surface_distances(s, p[0], 2, mm), SMR_E_INPUT);
+    rig_free(s);
+    unit_mesh_free(&m);
+}
+
 /* With and without a normal, with every kind of reach. */
 TEST(equals_double)
 {

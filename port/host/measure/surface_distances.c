@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/system.h"
+#include "measure/sample_order.h"
 
 static int by_distance(const void *a, const void *b)
 {
@@ -14,6 +15,29 @@ static int by_distance(const void *a, const void *b)
     const int mm = (x->mm > y->mm) - (x->mm < y->mm);
     return mm != 0 ? mm : (x->weight > y->weight) - (x->weight < y->weight);
 }
+
+/* Sorts by distance, and equal distances by weight. Distances are not negative, so their bits are in their order. */
+static void sort(host_weighted *value, size_t n)
+{
+    host_keyed *const list = calloc(2u * n, sizeof *list);
+    for (size_t i = 0; list != NULL && i < n; i++)
+        memcpy(&list[i], &value[i], sizeof *list);
+    if (list != NULL) {
+        host_sort_keys(list, list + n, n);
+        memcpy(value, list + n, n * sizeof *value);
+    }
+    for (size_t i = 0, end = 1; list != NULL && i < n; i = end++) {
+        while (end < n && !(value[end].mm > value[i].mm))
+            end++;
+        if (end - i > 1u)
+            qsort(value + i, end - i, sizeof *value, by_distance);
+    }
+    if (list == NULL)
+        qsort(value, n, sizeof *value, by_distance);
+    free(list);
+}
+
+_Static_assert(sizeof(host_keyed) == sizeof(host_weighted), "a distance's bits are the key, its weight's the item");
 
 host_stats host_stats_of(host_weighted *value, size_t n)
 {
@@ -23,7 +47,7 @@ host_stats host_stats_of(host_weighted *value, size_t n)
     stats.n = n;
     if (n == 0)
         return stats;
-    qsort(value, n, sizeof *value, by_distance);
+    sort(value, n);
     for (i = 0; i < n; i++) {
         const double mm = (double)value[i].mm, weight = (double)value[i].weight;
         sum += weight * mm;
@@ -279,16 +303,12 @@ smr_surface *host_points_surface(const host_mesh *mesh, void **memory)
     return surface;
 }
 
-#define CHUNK 256u                    /* points per task */
-#define FAR_MM (4.0f * SMR_COORD_MAX) /* mm; larger than the distance of any two legal points */
+#define CHUNK 256u /* points per task */
 
 float host_distance(const smr_surface *surface, const float point[3])
 {
-    smr_closest hit = {0};
-    hit.triangle = SMR_NONE;
-    if (smr_surface_closest(surface, point, NULL, -1.0f, FAR_MM, &hit) != SMR_OK || hit.triangle == SMR_NONE)
-        return NAN;
-    return hit.distance;
+    float mm = -1.0f;
+    return smr_surface_distances(surface, point, 1, &mm) == SMR_OK && mm >= 0.0f ? mm : NAN;
 }
 
 typedef struct chunk {
@@ -300,10 +320,15 @@ typedef struct chunk {
 static void run_chunk(void *arg, uint32_t task, uint32_t worker)
 {
     chunk *const c = (chunk *)arg + task;
+    const uint32_t *const order = c->query->order + c->first;
+    float xyz[CHUNK][3], mm[CHUNK];
     (void)worker;
-    for (size_t i = c->first; i < c->first + c->n; i++) {
-        c->query->mm[i] = host_distance(c->query->surface, c->query->samples.xyz + 3u * i);
-        c->failed |= isnan(c->query->mm[i]);
+    for (size_t i = 0; i < c->n; i++)
+        memcpy(xyz[i], c->query->samples.xyz + 3u * (size_t)order[i], sizeof xyz[i]);
+    c->failed = smr_surface_distances(c->query->surface, xyz[0], (uint32_t)c->n, mm) != SMR_OK;
+    for (size_t i = 0; i < c->n && !c->failed; i++) {
+        c->query->mm[order[i]] = mm[i];
+        c->failed = mm[i] < 0.0f;
     }
 }
 
@@ -313,6 +338,7 @@ static void place_samples(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     if (host_samples_make(&query->mesh, &query->samples) == 0)
         query->mm = malloc(sizeof(float) * query->samples.n);
+    query->order = host_sample_order(query->samples.xyz, query->samples.n);
 }
 
 int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries)
@@ -322,7 +348,7 @@ int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries
     host_parallel(port, place_samples, queries, n_queries);
     for (uint32_t q = 0; q < n_queries; q++) {
         n += (queries[q].samples.n + CHUNK - 1u) / CHUNK;
-        failed |= queries[q].mm == NULL;
+        failed |= queries[q].mm == NULL || queries[q].order == NULL;
     }
     chunk *chunks = failed ? NULL : calloc(n + 1u, sizeof *chunks);
     if (chunks == NULL)
@@ -344,7 +370,9 @@ void host_queries_free(host_query *queries, uint32_t n_queries)
     for (uint32_t q = 0; queries != NULL && q < n_queries; q++) {
         host_samples_free(&queries[q].samples);
         free(queries[q].mm);
+        free(queries[q].order);
         queries[q].mm = NULL;
+        queries[q].order = NULL;
     }
 }
 

@@ -34,12 +34,13 @@ typedef struct host_stats {
     double weight; /* of all */
 } host_stats;
 
-/* A query: the distances from one mesh to one surface. host_distances writes samples and mm. */
+/* A query: the distances from one mesh to one surface. host_distances writes samples, mm and order. */
 typedef struct host_query {
     const smr_surface *surface; /* borrowed */
     smr_mesh mesh;              /* borrowed */
     host_samples samples;       /* where they are measured; owned */
     float *mm;                  /* [samples.n]; owned */
+    uint32_t *order;            /* [samples.n] samples along a curve, so that neighbours are near each other; owned */
 } host_query;
 
 /* The distance from a point to the surface, mm; NaN where nothing is found. */

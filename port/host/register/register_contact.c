@@ -177,7 +177,8 @@ static int measure(host_job *job, body *list)
         list[i].mesh = moves ? &job->result[i].mesh : &c->fixed[i - job->model.n_parts].mesh;
         list[i].surface = moves ? NULL : c->fixed[i - job->model.n_parts].surface;
     }
-    host_parallel(&job->port.port, build_body, list, n_all);
+    if (n_all > 1u) /* one body touches nothing */
+        host_parallel(&job->port.port, build_body, list, n_all);
     for (uint32_t i = 0; i < n_all; i++)
         if (list[i].failed)
             return -1;

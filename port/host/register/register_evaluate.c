@@ -98,13 +98,13 @@ static int find_seen(const host_job *job, room *r)
 }
 
 /* What is to be made of the queries, in their order. Returns how many summaries there are. */
-static uint32_t list_summaries(host_job *job, const room *r, uint32_t n_pairs)
+static uint32_t list_summaries(host_job *job, const room *r, uint32_t n_queries, uint32_t n_pairs)
 {
     const int overlaps = !job->options->image_target;
     const host_query *const query = r->query;
     summary *const list = r->list;
     uint32_t q = 0, n = 3;
-    for (uint32_t i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; n_queries > 1u && i < job->model.n_parts; i++)
         if (is_compared(job, i) && job->target[job->result[i].target].surface != NULL) {
             host_result *const of = &job->result[i];
             list[n++] = (summary){&query[q], 1, NULL, &of->area.to_target, &of->vertices.to_target, 0};
@@ -112,11 +112,12 @@ static uint32_t list_summaries(host_job *job, const room *r, uint32_t n_pairs)
                 list[n++] = (summary){&query[q], 1, &r->seen[q], &of->overlap, &of->overlap_vertices, 0};
             q++;
         }
+    q = n_queries;
     /* all structures and all targets: the longest tasks first */
     list[0] = (summary){query, q, NULL, &job->area.to_target, &job->vertices.to_target, 0};
     list[1] = (summary){query + q, n_pairs, NULL, &job->area.to_result, &job->vertices.to_result, 0};
     list[2] = (summary){query, overlaps ? q : 0, r->seen, &job->overlap, &job->overlap_vertices, 0};
-    for (uint32_t i = 0; i < n_pairs; i++) {
+    for (uint32_t i = 0; n_pairs > 1u && i < n_pairs; i++) {
         host_result *const of = &job->result[r->pairs[i].target->user];
         if (r->pairs[i].target->users == 1)
             list[n++] = (summary){&query[q + i], 1, NULL, &of->area.to_result, &of->vertices.to_result, 0};
@@ -124,12 +125,30 @@ static uint32_t list_summaries(host_job *job, const room *r, uint32_t n_pairs)
     return n;
 }
 
+/* Copies the statistics of all structures, or of all targets, to a structure where there is only one. */
+static void copy_single(host_job *job, const room *r, uint32_t n_queries, uint32_t n_pairs)
+{
+    for (uint32_t i = 0; n_queries == 1u && i < job->model.n_parts; i++)
+        if (is_compared(job, i) && job->target[job->result[i].target].surface != NULL) {
+            host_result *const of = &job->result[i];
+            of->area.to_target = job->area.to_target;
+            of->vertices.to_target = job->vertices.to_target;
+            of->overlap = job->overlap;
+            of->overlap_vertices = job->overlap_vertices;
+        }
+    if (n_pairs == 1u && r->pairs[0].target->users == 1) {
+        host_result *const of = &job->result[r->pairs[0].target->user];
+        of->area.to_result = job->area.to_result;
+        of->vertices.to_result = job->vertices.to_result;
+    }
+}
+
 static int measure_distances(host_job *job, room *r)
 {
     pair *const pairs = r->pairs;
     host_query *const query = r->query;
     summary *const list = r->list;
-    uint32_t n_pairs = 0, n = 0;
+    uint32_t n_pairs = 0, n_queries = 0, n = 0;
     int bad = 0;
     for (uint32_t i = 0; i < job->n_targets; i++)
         if (job->target[i].users > 0)
@@ -138,13 +157,15 @@ static int measure_distances(host_job *job, room *r)
     for (uint32_t i = 0; i < n_pairs; i++)
         bad |= pairs[i].result == NULL;
     if (!bad)
-        n = make_queries(job, pairs, n_pairs, query) + n_pairs;
-    bad = bad || host_distances(&job->port.port, query, n) != 0 || (!job->options->image_target && !find_seen(job, r));
+        n_queries = make_queries(job, pairs, n_pairs, query);
+    bad = bad || host_distances(&job->port.port, query, n_queries + n_pairs) != 0 ||
+          (!job->options->image_target && !find_seen(job, r));
     if (!bad) {
-        n = list_summaries(job, r, n_pairs);
+        n = list_summaries(job, r, n_queries, n_pairs);
         host_parallel(&job->port.port, make_summary, list, n);
         for (uint32_t i = 0; i < n; i++)
             bad |= list[i].failed;
+        copy_single(job, r, n_queries, n_pairs);
     }
     for (uint32_t i = 0; i < n_pairs; i++)
         free(pairs[i].memory);

@@ -13,6 +13,14 @@ static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
                  p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
 }
 
+/* Returns the vector a rotated by the inverse of the pose's rotation, and scaled by the pose. */
+static inline smr_vec smr_pose_turn_back(const smr_pose *p, smr_vec a)
+{
+    return smr_v(p->m[0][0] * a.x + p->m[1][0] * a.y + p->m[2][0] * a.z,
+                 p->m[0][1] * a.x + p->m[1][1] * a.y + p->m[2][1] * a.z,
+                 p->m[0][2] * a.x + p->m[1][2] * a.y + p->m[2][2] * a.z);
+}
+
 /* Sets the translation of the pose *p, 0 so far, so that the pose maps the point `from` onto the point `to`, mm. */
 static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
 {

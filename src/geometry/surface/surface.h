@@ -87,6 +87,12 @@ static inline void smr_surface_search(const smr_surface *s, const unsigned char 
     smr_surface_search_known(s, use, q, hit, NULL);
 }
 
+#define SMR_GROUP_POINTS 8u /* most points of a group */
+
+/* Searches as smr_tree_closest_but() does for each of n queries, 1 .. SMR_GROUP_POINTS, with points near each other. A
+ * query without a triangle to try first gets that of the query before. */
+void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_query *q, uint32_t n, smr_hit *hit);
+
 /* A stage of a build: does the items first .. last-1. These find stray components; a refit also runs the last one. */
 typedef void smr_surface_stage(smr_surface *s, uint32_t first, uint32_t last);
 smr_surface_stage smr_fragments_forget, smr_fragments_join, smr_fragments_sum, smr_bodies_number, smr_fragments_mark;

@@ -1,0 +1,40 @@
+/* lanes.h: floats and vectors of four positions, computed at once, since compilers do not vectorise every loop. Each
+ * lane has the bits of the same computation with one float.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_LANES_H
+#define SMR_LANES_H
+
+#include "base/vec.h"
+
+#define SMR_LANES 4u /* positions that are computed at once */
+
+typedef float smr_lanes __attribute__((vector_size(16)));
+
+typedef struct smr_lanes3 {
+    smr_lanes x, y, z;
+} smr_lanes3;
+
+/* Return a value in all lanes. */
+static inline smr_lanes smr_lanes_of(float a) { return (smr_lanes){a, a, a, a}; }
+static inline smr_lanes3 smr_lanes3_of(smr_vec a)
+{
+    return (smr_lanes3){smr_lanes_of(a.x), smr_lanes_of(a.y), smr_lanes_of(a.z)};
+}
+
+/* Read and set lane l. */
+static inline smr_vec smr_lane(const smr_lanes3 *a, uint32_t l) { return smr_v(a->x[l], a->y[l], a->z[l]); }
+static inline void smr_lane_set(smr_lanes3 *a, uint32_t l, smr_vec v)
+{
+    a->x[l] = v.x;
+    a->y[l] = v.y;
+    a->z[l] = v.z;
+}
+
+static inline smr_lanes3 smr_lanes3_add(smr_lanes3 a, smr_lanes3 b)
+{
+    return (smr_lanes3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline smr_lanes3 smr_lanes3_scale(smr_lanes3 a, smr_lanes s) { return (smr_lanes3){a.x * s, a.y * s, a.z * s}; }
+static inline smr_lanes smr_lanes3_dot(smr_lanes3 a, smr_lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+#endif
