@@ -75,19 +75,20 @@ typedef struct normal_field {
     float again;       /* factor on the motion from the start, as the observations give it */
 } normal_field;
 
-/* Places arrays in the memory of sums, transforms and records. Returns the number of observations that it holds. */
+/* Places arrays in the memory of sums and records; the verdict's closest points take two words a vertex of the latter,
+ * expected errors the words 7 to 9, terms those behind. Returns the number of observations for which there is room. */
 static uint32_t place(normal_field *f, const smr *s)
 {
     const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
     uint32_t most = SMR_OBSERVATIONS;
-    while (most > 0u && most * (most + 1u) / 2u + 8u * most > words)
+    while (most > 0u && (most * (most + 1u) / 2u + 8u * most > words || 12u * most + 3u > 5u * s->shared.n))
         most--;
     f->at = (float *)s->overlay.sum;
     f->normal = f->at + 3u * (size_t)most;
     f->moved = f->normal + 3u * (size_t)most;
     f->open = f->moved + most;
     f->lower = f->open + most;
-    f->known = (smr_lanes3 *)s->match.transform;
+    f->known = (smr_lanes3 *)(s->overlay.record + smr_ceil_div(2u * s->shared.n, 4u) * 4u);
     f->term = (terms *)smr_vertex_expected(s, s->shared.n);
     return most;
 }

@@ -96,7 +96,7 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
         if (q[i].warm < f->n_triangles)
             try_triangle(f, mask, &q[i], q[i].warm, &hit[i]);
         else
-            smr_tree_closest_but(f, mask, &q[i], &hit[i]);
+            smr_tree_closest_but(f, mask, &q[i], &hit[i], NULL);
         bound = smr_max(bound, hit[i].d2);
         box = (smr_box){smr_low(box.lo, q[i].point), smr_high(box.hi, q[i].point)};
     }
@@ -109,7 +109,7 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
         for (uint32_t k = 0; k < n_nodes && n_nodes <= SMR_GROUP_NODES; k++)
             search_node(f, mask, &q[i], node[k], &hit[i]);
         if (n_nodes > SMR_GROUP_NODES)
-            smr_tree_closest_but(f, mask, &q[i], &hit[i]);
+            smr_tree_closest_but(f, mask, &q[i], &hit[i], NULL);
     }
 }
 
