@@ -13,28 +13,35 @@ void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
     *f = (smr_fit){.origin_from = origin_from, .origin_to = origin_to};
 }
 
-/* Adds a term to f->sum[i] with compensation (Neumaier 1974). Rounding would move the end of a bone by a micrometre. */
-static void add(smr_fit *f, uint32_t i, float term)
-{
-    const float before = f->sum[i], sum = before + term;
-    f->lost[i] += smr_abs(before) >= smr_abs(term) ? (before - sum) + term : (term - sum) + before;
-    f->sum[i] = sum;
-}
-
+/* Adds each term with compensation (Knuth 1969). Rounding would move the end of a bone by a micrometre. */
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
 {
     from = smr_sub(from, f->origin_from);
     to = smr_sub(to, f->origin_to);
-    const float a[3] = {to.x, to.y, to.z}, b[3] = {from.x, from.y, from.z};
+    const smr_vec a = smr_scale(to, w), b = from;
+    const float term[SMR_FIT_SUMS] = {w * b.x,
+                                      w * b.y,
+                                      w * b.z,
+                                      a.x,
+                                      a.y,
+                                      a.z,
+                                      a.x * b.x,
+                                      a.x * b.y,
+                                      a.x * b.z,
+                                      a.y * b.x,
+                                      a.y * b.y,
+                                      a.y * b.z,
+                                      a.z * b.x,
+                                      a.z * b.y,
+                                      a.z * b.z,
+                                      w * smr_dot(from, from),
+                                      w * smr_dot(to, to)};
     f->weight += w;
-    for (uint32_t r = 0; r < 3u; r++) {
-        add(f, SMR_FIT_FROM + r, w * b[r]);
-        add(f, SMR_FIT_TO + r, w * a[r]);
-        for (uint32_t c = 0; c < 3u; c++)
-            add(f, SMR_FIT_CROSS + 3u * r + c, w * a[r] * b[c]);
+    for (uint32_t i = 0; i < SMR_FIT_SUMS; i++) {
+        const float before = f->sum[i], sum = before + term[i], added = sum - before;
+        f->lost[i] += (before - (sum - added)) + (term[i] - added);
+        f->sum[i] = sum;
     }
-    add(f, SMR_FIT_FROM2, w * smr_dot(from, from));
-    add(f, SMR_FIT_TO2, w * smr_dot(to, to));
 }
 
 /* Moves r by a Newton step towards the rotation R for which R^T A is symmetric. The polar decomposition squares A,
