@@ -153,19 +153,20 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
 
 /* ---- align_coarse_search.c: the coarse search among samples of both surfaces ---- */
 
-#define SMR_COARSE 64u     /* number of samples of each side; a multiple of SMR_COARSE_LANES, at most 128 */
-#define SMR_COARSE_FEW 24u /* number of samples with which the search begins; a multiple of SMR_COARSE_LANES */
-#define SMR_SHIFTS 7u      /* number of translations tried with each rotation */
-#define SMR_SHIFTS_LONG 3u /* number of translations: by centroids, and by both ends of the longest axis */
+#define SMR_COARSE_LANES 8u /* number of pairs that a vectorised loop computes together */
+#define SMR_COARSE 96u      /* number of samples of each side; a multiple of SMR_COARSE_LANES, at most 128 */
+#define SMR_COARSE_FEW 32u  /* number of samples with which the search begins; a multiple of SMR_COARSE_LANES */
+#define SMR_SHIFTS 7u       /* number of translations tried with each rotation */
+#define SMR_SHIFTS_LONG 3u  /* number of translations: by centroids, and by both ends of the longest axis */
 
 /* The samples of both surfaces for the coarse search. The first SMR_COARSE_FEW are spread over the surface like all. */
 typedef struct smr_coarse {
     smr_vec point[SMR_SIDES][SMR_COARSE], normal[SMR_SIDES][SMR_COARSE]; /* positions, mm; unit normals */
     float weight[2][SMR_SIDES][SMR_COARSE]; /* weights of the first few and of all samples; a side's sum is 1 */
-    _Alignas(16) float term
-        [8][SMR_COARSE]; /* coefficients of each target sample in the cost of a pair, see smr_coarse_take() */
-    float along;         /* weight of a squared distance along the surface; 1 without normals */
-    float bend;          /* squared distance beyond which samples do not match, mm^2 */
+    /* coefficients of each target sample in the cost of a pair, see smr_coarse_take() */
+    _Alignas(16) float term[SMR_COARSE / SMR_COARSE_LANES][8][SMR_COARSE_LANES];
+    float along; /* weight of a squared distance along the surface; 1 without normals */
+    float bend;  /* squared distance beyond which samples do not match, mm^2 */
 } smr_coarse;
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */

@@ -12,12 +12,13 @@
 #define SMR_LIMIT 5.7f         /* outlier limit / quantile SMR_MOSTLY of distances: three deviations, if half-normal */
 #define SMR_LEAST 0.045f       /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
 #define SMR_UNTRIMMED 1.0e15f  /* mm: outlier limit that no pair exceeds; its square still fits a float */
+#define SMR_STEADY_LAST 40u    /* the same for the last refinement, which the rounding of earlier ones affects */
 #define SMR_STEADY 16u         /* smallest number of rounds before a refinement may end early, which rounding affects */
 #define SMR_STILL 1.1f         /* distance / least possible distance up to which a sample keeps its triangle */
 #define SMR_STILL_NONE 0.95f   /* share of the range that a sample without a triangle must surely still have empty */
 #define SMR_STILL_SLACK 0.006f /* distance added to SMR_STILL times the least, except in the last refinement / spread */
 #define SMR_STILL_COS 0.99f    /* smallest cosine of the rotation of a sample's normal since the last search */
-#define SMR_STAGNANT 0.9995f   /* sum of squared distances / least sum so far above which a round is the last */
+#define SMR_STAGNANT 0.9999f   /* sum of squared distances / least sum so far above which a round is the last */
 
 /* Returns the inverse of *p. One call in this file only: compilers vectorise two, whose unused lanes trap on 0 / 0. */
 smr_pose smr_pose_invert(const smr_pose *p)
@@ -197,6 +198,7 @@ int smr_pose_fit(const smr_fit *fit, int scaled, smr_pose *pose)
 int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t how, smr_pose *pose)
 {
     const int mirrored = smr_pose_mirrors(pose);
+    const uint32_t steady = samples < a->side[SMR_MODEL].n ? SMR_STEADY : SMR_STEADY_LAST;
     float last = FLT_MAX;
     for (uint32_t i = 0; i < rounds; i++) {
         smr_fit fit;
@@ -207,7 +209,7 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
         mean += collect(a, SMR_TARGET, limit, mirrored, &fit);
         if (!(fit.weight >= 3.0f))
             return 0;
-        if (i >= SMR_STEADY && mean > last * SMR_STAGNANT)
+        if (i >= steady && mean > last * SMR_STAGNANT)
             return 1;
         last = smr_min(last, mean);
         if (!smr_pose_fit(&fit, (how & SMR_REFINE_SCALED) != 0u, pose))

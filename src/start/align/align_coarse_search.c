@@ -11,13 +11,13 @@
 #include "geometry/rotation/rotation.h"
 #include "start/align/align.h"
 
-#define SMR_COARSE_LANES 8u    /* number of pairs that a vectorised loop computes together */
 #define SMR_COARSE_WIDE 8.0f   /* squared outlier limit of the first round of a coarse refinement / that of the last */
 #define SMR_COARSE_LEAST 0.05f /* smallest sum of weights of a coarse refinement; a side's sum is 1 */
-#define SMR_ROUGH 0.1f         /* largest difference assumed between costs by the first few and by all samples */
+#define SMR_ROUGH 0.05f        /* largest difference assumed between costs by the first few and by all samples */
 #define SMR_TAG 127u           /* bits of a cost that hold the number of a sample */
 #define SMR_COARSE_LIMIT 0.15f /* distance beyond which samples do not match / smaller spread; above their spacing */
 #define SMR_ALONG 0.3f         /* weight of the squared distance along the surface, where the distance across has 1 */
+#define SMR_ACROSS 0.83666003f /* sqrt(1 - SMR_ALONG) */
 #define SMR_CUBE 24u           /* number of rotations of a cube */
 #define SMR_TURNS 8u           /* number of further rotations; each is combined with all rotations of the cube */
 #define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
@@ -73,7 +73,7 @@ void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
         choose(c, &a->side[side], side);
     /* cost of samples p and t with normals m and n: along |p - t|^2 + (1 - along) (n (p - t))^2 + bend (1 - m n) */
     for (uint32_t k = 0; k < SMR_COARSE; k++) {
-        const smr_vec p = c->point[SMR_TARGET][k], n = faced ? c->normal[SMR_TARGET][k] : smr_v(0, 0, 0);
+        const smr_vec p = c->point[SMR_TARGET][k], n = smr_scale(c->normal[SMR_TARGET][k], faced ? SMR_ACROSS : 0.0f);
         const float term[8] = {c->along * smr_dot(p, p) + (faced ? c->bend : 0.0f),
                                -2.0f * c->along * p.x,
                                -2.0f * c->along * p.y,
@@ -83,7 +83,7 @@ void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
                                n.y,
                                n.z};
         for (uint32_t j = 0; j < 8u; j++)
-            c->term[j][k] = term[j];
+            c->term[k / SMR_COARSE_LANES][j][k % SMR_COARSE_LANES] = term[j];
     }
 }
 
@@ -101,25 +101,26 @@ static inline float tagged(float cost, uint32_t number)
 
 /* Compares p, a sample of the model moved by the pose, with n samples of the target. number: that of p. best[]: least
  * tagged cost of each target sample so far, mm^2. Returns the least tagged cost of p. */
-static float pair_with_all(const smr_coarse *c, uint32_t n, uint32_t number, smr_vec p, smr_vec normal, float *best)
+static float pair_with_all(const smr_coarse *c, uint32_t n, uint32_t number, smr_vec p, smr_vec normal,
+                           float *restrict best)
 {
-    const float(*t)[SMR_COARSE] = c->term;
     const float own = c->along * smr_dot(p, p);
-    const smr_vec turned = smr_scale(normal, c->bend);
+    const smr_vec turned = smr_scale(normal, c->bend / SMR_ACROSS);
     float lane[SMR_COARSE_LANES], least = FLT_MAX;
     for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
         lane[k] = FLT_MAX;
-    for (uint32_t base = 0; base < n; base += SMR_COARSE_LANES)
+    for (uint32_t base = 0; base < n; base += SMR_COARSE_LANES) {
+        const float(*const t)[SMR_COARSE_LANES] = c->term[base / SMR_COARSE_LANES];
         for (uint32_t k = 0; k < SMR_COARSE_LANES; k++) {
-            const uint32_t i = base + k;
-            const float across = p.x * t[5][i] + p.y * t[6][i] + p.z * t[7][i] - t[4][i];
-            const float cost = own + t[0][i] + (p.x * t[1][i] + p.y * t[2][i] + p.z * t[3][i]) -
-                               (turned.x * t[5][i] + turned.y * t[6][i] + turned.z * t[7][i]) +
-                               (1.0f - SMR_ALONG) * across * across;
-            const float mine = tagged(cost, i), other = tagged(cost, number);
+            const float across = p.x * t[5][k] + p.y * t[6][k] + p.z * t[7][k] - t[4][k];
+            const float facing = turned.x * t[5][k] + turned.y * t[6][k] + turned.z * t[7][k];
+            const float along = p.x * t[1][k] + p.y * t[2][k] + p.z * t[3][k] + (t[0][k] + own);
+            const float cost = along - facing + across * across;
+            const float mine = tagged(cost, base + k), other = tagged(cost, number);
             lane[k] = mine < lane[k] ? mine : lane[k];
-            best[i] = other < best[i] ? other : best[i];
+            best[base + k] = other < best[base + k] ? other : best[base + k];
         }
+    }
     for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
         least = smr_min(least, lane[k]);
     return least;
