@@ -1,6 +1,6 @@
 /* align_closest_points.c: pairs of closest points in both directions under a pose, and refinement by them: iterative
  * closest point (ICP, Besl and McKay 1992, with agreeing normals). Outlier pairs lose their weight (Tukey's); the limit
- * follows from the distances.
+ * follows from the distances. A sample keeps its triangle of the last search while no other can be clearly closer.
  * Bounds: 2 * samples searches for the pairs; a quantile is 4 passes over a side's samples.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
@@ -12,8 +12,8 @@
 #define SMR_LIMIT 5.7f         /* outlier limit / quantile SMR_MOSTLY of distances: three deviations, if half-normal */
 #define SMR_LEAST 0.045f       /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
 #define SMR_UNTRIMMED 1.0e15f  /* mm: outlier limit that no pair exceeds; its square still fits a float */
-#define SMR_STEADY_LAST 40u    /* the same for the last refinement, which the rounding of earlier ones affects */
 #define SMR_STEADY 16u         /* smallest number of rounds before a refinement may end early, which rounding affects */
+#define SMR_STEADY_LAST 40u    /* SMR_STEADY of the last refinement, where the samples' kept triangles matter most */
 #define SMR_STILL 1.1f         /* distance / least possible distance up to which a sample keeps its triangle */
 #define SMR_STILL_NONE 0.95f   /* share of the range that a sample without a triangle must surely still have empty */
 #define SMR_STILL_SLACK 0.006f /* distance added to SMR_STILL times the least, except in the last refinement / spread */
