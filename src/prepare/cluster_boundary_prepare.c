@@ -2,13 +2,9 @@
  * Rounding would decide whether two vertices about a radius apart are in each other's cluster. Over a narrow range of
  * distances around the radius the weight therefore falls linearly from 1 to 0. The lists zeta+ and zeta- follow d <= r;
  * a boundary pair holds its weight less the lists' 1 or 0. Geodesic distances are whole micrometres, without boundary.
- * Bounds: for each vertex one visit to the boxes of the tree that the boundary crosses.
+ * Bounds: for each vertex near a boundary one visit to the boxes of the tree that its boundary crosses.
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
-
-#define SMR_BOUNDARY_MM 7.0e-4f /* mm: largest half width of the boundary, thirty times the rounding of coordinates */
-#define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width of the boundary, as a share of the radius */
-#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* largest relative rounding error of squared distances to boxes */
 
 static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 {
@@ -41,8 +37,7 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
 static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, float half)
 {
     const smr_vec at = smr_get3(p->xyz, v);
-    const float near2 = (radius - half) * (radius - half) * (1.0f - SMR_BOUNDARY_ROUNDING);
-    const float far2 = (radius + half) * (radius + half) * (1.0f + SMR_BOUNDARY_ROUNDING);
+    const smr_boundary b = smr_boundary_at(radius);
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
     stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
@@ -50,10 +45,12 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
         const smr_visit node = stack[--top];
         const smr_node *boxes = &p->points.node[p->points.level[node.level] + node.index];
         uint32_t in; /* children that the boundary crosses, a bit each */
-        if (node.level > 0u)
-            (void)smr_box_kinds(boxes, at, near2, far2, &in);
-        else
-            in = smr_leaf_members(boxes, at, far2) & ~smr_leaf_members(boxes, at, near2);
+        if (node.level > 0u) {
+            (void)smr_box_kinds(boxes, at, b.near2, b.far2, &in);
+        } else {
+            const uint32_t within = smr_leaf_members(boxes, at, b.near2, b.far2, &in);
+            in &= ~within;
+        }
         for (; in != 0u; in &= in - 1u) {
             const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
             if ((uint64_t)(child + 1u) << (3u * node.level) <= (uint64_t)v + 1u ||
@@ -69,13 +66,14 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
 
 void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
 {
-    const float half = smr_min(SMR_BOUNDARY_MM, SMR_BOUNDARY_SHARE * radius);
+    const float half = smr_boundary_at(radius).half;
     l->at_boundary = smr_put_section(l->w, 0);
     memset(p->n_outside, 0, p->n * sizeof *p->n_outside);
     for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
         if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
             break; /* smr_prepare() reports a model that is too large */
-        find_pairs(p, l, v, radius, half);
+        if (p->touched[v])
+            find_pairs(p, l, v, radius, half);
     }
     l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
     for (uint32_t v = 0; v < p->n; v++) /* finds the largest cluster; boundary vertices outside the radius count half */

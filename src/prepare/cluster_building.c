@@ -11,20 +11,6 @@
 #define SMR_INSIDE 0.99999f  /* factor of r^2: a box wholly within this squared distance holds only members */
 #define SMR_OUTSIDE 1.00001f /* factor of r^2: a box wholly beyond this squared distance holds no member */
 
-/* Adds the vertices first .. last-1 to the row of bits. */
-static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
-{
-    smr_row_cover(row, words, first / 64u, (last - 1u) / 64u + 1u);
-    for (uint32_t w = first / 64u; w <= (last - 1u) / 64u; w++) {
-        uint64_t mask = ~(uint64_t)0;
-        if (w == first / 64u)
-            mask &= ~(uint64_t)0 << (first % 64u);
-        if (w == (last - 1u) / 64u)
-            mask &= ~(uint64_t)0 >> (63u - (last - 1u) % 64u);
-        row[w] |= mask;
-    }
-}
-
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
 {
     const float at[3] = {p.x, p.y, p.z};
@@ -33,8 +19,8 @@ uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float out
         float near2 = 0.0f, far2 = 0.0f; /* squared distances to the box' nearest and farthest point, mm^2 */
         for (uint32_t axis = 0; axis < 3u; axis++) {
             const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
-            const float out = smr_positive(below) + smr_positive(above); /* distance outside the box; one term is 0 */
-            const float far = smr_positive(below - above) - below;
+            const float out = smr_positive(smr_max(below, above)); /* distance outside the box */
+            const float far = smr_min(below, above);               /* - distance to the farther side */
             near2 += out * out;
             far2 += far * far;
         }
@@ -45,52 +31,90 @@ uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float out
     return inner;
 }
 
-/* Returns the leaf's vertices within r2, mm^2, of p as bits. Not inlined: GCC would unroll, not vectorise, the loop. */
-__attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float r2)
+/* Not inlined: GCC would unroll, not vectorise, the loop. */
+__attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float near2, float far2,
+                                                    uint32_t *outer)
 {
-    uint32_t members = 0;
+    uint32_t near = 0, far = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
         const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z;
-        members |= x * x + y * y + z * z <= r2 ? smr_child_bit[k] : 0u;
+        const float d2 = x * x + y * y + z * z;
+        near |= d2 <= near2 ? smr_child_bit[k] : 0u;
+        far |= d2 <= far2 ? smr_child_bit[k] : 0u;
     }
-    return members;
+    *outer = far;
+    return near;
 }
 
-/* Adds the vertices of a leaf in the ball of squared radius r2, mm^2, around `centre` to the row. */
-static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2, uint64_t *row)
+/* A ball around a vertex. */
+typedef struct ball {
+    smr_vec centre;   /* mm */
+    smr_boundary at;  /* where the ball's boundary lies */
+    float r2;         /* squared radius, mm^2 */
+    uint32_t touched; /* not 0: a vertex lies in the boundary */
+} ball;
+
+/* Returns the vertices of a leaf in the ball, a bit each. */
+static uint64_t members_of(const smr_node *leaf, ball *b)
 {
-    const uint32_t first = leaf * SMR_TREE_WIDTH, members = smr_leaf_members(&p->points.node[leaf], centre, r2);
-    if (members == 0u)
-        return;
-    row[first / 64u] |= (uint64_t)members << (first % 64u);
-    smr_row_cover(row, p->words, first / 64u, first / 64u + 1u);
+    uint32_t outer, members = smr_leaf_members(leaf, b->centre, b->at.near2, b->at.far2, &outer);
+    if (members == outer)
+        return members;
+    b->touched = 1;
+    return smr_leaf_members(leaf, b->centre, b->r2, b->r2, &outer);
 }
 
-void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
+/* Returns the vertices below a node of level 1 that lie in the ball, a bit each. inner, reaching: smr_box_kinds(). */
+static uint64_t members_below(const smr_node *leaf, ball *b, uint32_t inner, uint32_t reaching)
 {
-    const smr_vec centre = smr_get3(p->xyz, v);
-    const float r2 = radius * radius, inside = SMR_INSIDE * r2, outside = SMR_OUTSIDE * r2;
+    uint64_t word = 0;
+    for (; inner != 0u; inner &= inner - 1u)
+        word |= (uint64_t)255u << (SMR_TREE_WIDTH * (uint32_t)__builtin_ctz(inner));
+    for (; reaching != 0u; reaching &= reaching - 1u) {
+        const uint32_t k = (uint32_t)__builtin_ctz(reaching);
+        word |= members_of(leaf + k, b) << (SMR_TREE_WIDTH * k);
+    }
+    return word;
+}
+
+uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
+{
+    ball b = {smr_get3(p->xyz, v), smr_boundary_at(radius), radius * radius, 0};
+    const float inside = smr_min(SMR_INSIDE * b.r2, b.at.near2), outside = smr_max(SMR_OUTSIDE * b.r2, b.at.far2);
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
-    uint32_t top = 0;
+    uint32_t top = 0, first = p->words, last = 0; /* first .. last - 1: words with members */
     smr_row_clear(row, p->words);
     stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
+    if (p->points.n_levels == 1u) { /* the only node is a leaf */
+        row[first = --top] = members_of(p->points.node, &b);
+        last = 1;
+    }
     while (top > 0u) {
         const smr_visit at = stack[--top];
-        if (at.level == 0u) {
-            set_leaf(p, at.index, centre, r2, row);
+        const uint32_t base = at.index * SMR_TREE_WIDTH, shift = 3u * (at.level - 2u); /* 2^shift words in a child */
+        uint32_t reaching, inner = smr_box_kinds(&p->points.node[p->points.level[at.level] + at.index], b.centre,
+                                                 inside, outside, &reaching);
+        if (at.level == 1u) {
+            row[at.index] = members_below(&p->points.node[base], &b, inner, reaching);
+            first = smr_min_u32(first, at.index);
+            last = smr_max_u32(last, at.index + 1u);
             continue;
         }
-        const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
-        const uint32_t base = at.index * SMR_TREE_WIDTH;
-        uint32_t reaching, inner = smr_box_kinds(node, centre, inside, outside, &reaching);
         for (; inner != 0u; inner &= inner - 1u) {
             const uint32_t child = base + (uint32_t)__builtin_ctz(inner);
-            const uint64_t last = (uint64_t)(child + 1u) << (3u * at.level);
-            set_run(row, p->words, child << (3u * at.level), last < p->n ? (uint32_t)last : p->n);
+            const uint32_t end = smr_min_u32((child + 1u) << shift, p->words);
+            for (uint32_t w = child << shift; w < end; w++)
+                row[w] = ~(uint64_t)0;
+            first = smr_min_u32(first, child << shift);
+            last = smr_max_u32(last, end);
         }
         for (; reaching != 0u; reaching &= reaching - 1u)
             stack[top++] = (smr_visit){0.0f, at.level - 1u, base + (uint32_t)__builtin_ctz(reaching)};
     }
+    if (last == p->words)
+        row[last - 1u] &= ~(uint64_t)0 >> (63u - (p->n - 1u) % 64u); /* no bits behind the last vertex */
+    smr_row_cover(row, p->words, first, last);
+    return b.touched;
 }
 
 /* A binary heap of [n] items, smallest item first. An item is a distance in micrometres << 32 | a vertex. */
@@ -154,7 +178,7 @@ static void geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
 {
-    for (uint32_t w = smr_row_first(row, p->words); p->separate && w < smr_row_last(row, p->words); w++)
+    for (uint32_t w = smr_row_first(row, p->words); smr_keeps_apart(p) && w < smr_row_last(row, p->words); w++)
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             uint32_t bit = (uint32_t)__builtin_ctzll(rest);
             if (smr_kept_apart(p, v, w * 64u + bit))
@@ -162,15 +186,17 @@ void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
         }
 }
 
-void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
+uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
+    uint32_t touched = 0;
     if (p->config->distance == SMR_DISTANCE_GEODESIC)
         geodesic_row(p, v, radius, row);
     else
-        smr_ball_row(p, v, radius, row);
+        touched = smr_ball_row(p, v, radius, row);
     smr_row_keep_structure(p, v, row);
     for (uint32_t i = p->neighbour_start[v]; smr_holds_neighbours(p, radius) && i < p->neighbour_start[v + 1u]; i++)
         smr_row_set(row, p->words, p->neighbour[i]);
+    return touched;
 }
 
 #define SMR_TOGETHER 31u /* number of words whose bits, 8 a word, can be counted in one byte: at most 255 */

@@ -20,7 +20,7 @@ static uint32_t mean_members(smr_plan *p, float radius)
     uint64_t sum = 0;
     const uint32_t probes = smr_min_u32(SMR_PROBES, p->n);
     for (uint32_t i = 0; i < probes; i++) {
-        smr_ball_row(p, p->position[(uint64_t)i * p->n / probes], radius, smr_plan_row(p, 0));
+        (void)smr_ball_row(p, p->position[(uint64_t)i * p->n / probes], radius, smr_plan_row(p, 0));
         sum += smr_row_count(smr_plan_row(p, 0), p->words);
     }
     return (uint32_t)(sum / probes);

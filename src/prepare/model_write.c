@@ -42,7 +42,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             if (w->used > UINT32_MAX)
                 return SMR_E_INPUT;
         }
-        p->forest.nearest_kind = 1u + p->separate;
+        p->forest.nearest_kind = 1u + smr_keeps_apart(p);
     } else {
         SMR_TRY(smr_breadth_first(p, &l, radius, index, n_radii));
     }

@@ -64,7 +64,6 @@ static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *
         put_index(l, l->at_indexes + (size_t)at * l->index_bytes, p->stored[v]);
     }
     l->n_indexes += n;
-    l->w->used = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
     return n;
 }
 
@@ -73,8 +72,14 @@ void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t p
 {
     const uint32_t count = p->count[vertex];
     const size_t at = l->at_entries + (size_t)l->n_entries * 4u * l->index_bytes;
-    const uint32_t n_plus = put_difference(l, p, own, parent_row);
-    const uint32_t n_minus = parent_row == NULL ? 0u : put_difference(l, p, parent_row, own);
+    uint32_t n_plus = 0, n_minus = 0;
+    if (l->w->model == NULL) { /* only the size is wanted */
+        l->n_indexes += parent_row == NULL ? count : smr_row_difference_count(own, parent_row, p->words);
+    } else {
+        n_plus = put_difference(l, p, own, parent_row);
+        n_minus = parent_row == NULL ? 0u : put_difference(l, p, parent_row, own);
+    }
+    l->w->used = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
     const uint32_t field[4] = {p->stored[vertex], parent, n_plus, n_minus};
     for (uint32_t i = 0; i < 4u; i++)
         put_index(l, at + i * l->index_bytes, field[i]);

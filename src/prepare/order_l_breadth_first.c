@@ -19,7 +19,7 @@ static float one_ring_radius(smr_plan *p)
 
 static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
 {
-    smr_ball_row(p, v, s_min, row);
+    (void)smr_ball_row(p, v, s_min, row);
     smr_row_keep_structure(p, v, row);
 }
 
@@ -68,10 +68,10 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
             p->queue[tail++] = v;
         }
         const uint32_t v = p->queue[head++], up = parent[v];
-        smr_cluster_row(p, v, radius, own);
+        p->touched[v] = smr_cluster_row(p, v, radius, own);
         p->count[v] = smr_row_count(own, p->words);
         if (up != v)
-            smr_cluster_row(p, up, radius, parent_row);
+            (void)smr_cluster_row(p, up, radius, parent_row);
         smr_list_entry(l, p, v, p->entry[up], own, up == v ? NULL : parent_row);
         one_ring(p, v, s_min, ring);
         tail = append_ring(p, v, ring, parent, tail);

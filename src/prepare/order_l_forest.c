@@ -19,6 +19,18 @@ typedef struct block {
 #define SMR_VERTEX_CHUNK 32u /* number of vertices that a task processes */
 #define SMR_EDGE_CHUNK 512u  /* number of edges that a task processes */
 
+/* Sorts n numbers ascending by insertion. */
+static void sort_few(uint32_t *number, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        const uint32_t own = number[i];
+        uint32_t at = i;
+        for (; at > 0u && number[at - 1u] > own; at--)
+            number[at] = number[at - 1u];
+        number[at] = own;
+    }
+}
+
 /* Fills rows and counts of a chunk's clusters, and nearest[] unless nearest[] is known from the previous radius. */
 static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -27,9 +39,9 @@ static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const uint32_t from = b->first + task * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last);
     for (uint32_t v = from; v < to; v++) {
         uint64_t *row = smr_plan_row(p, v - b->first);
-        smr_cluster_row(p, v, b->radius, row);
+        p->touched[v] = smr_cluster_row(p, v, b->radius, row);
         p->count[v] = smr_row_count(row, p->words);
-        if (p->forest.nearest_kind == 1u + p->separate)
+        if (p->forest.nearest_kind == 1u + smr_keeps_apart(p))
             continue;
         uint32_t *near = p->forest.nearest + SMR_NEAREST * (size_t)v;
         uint32_t k = smr_nearest(p, v, b->first, b->last, SMR_NEAREST, near, NULL);
@@ -51,35 +63,56 @@ static void weigh_edges(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* Fills edge_a < edge_b with the candidate edges, each once, vertices counted from `first`. Returns their number. */
+/* Writes to near[] the nearest vertices and mesh neighbours of v in the block, counted from `first`. Returns n. */
+static uint32_t list_near(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t *near)
+{
+    const uint32_t *const known = p->forest.nearest + SMR_NEAREST * (size_t)v, from = p->neighbour_start[v];
+    const uint32_t end = smr_min_u32(p->neighbour_start[v + 1u], from + SMR_NEIGHBOURS_TRIED);
+    uint32_t k = 0;
+    for (; k < SMR_NEAREST && known[k] != SMR_NONE; k++)
+        near[k] = known[k] - first;
+    for (uint32_t i = from; i < end; i++)
+        if (p->neighbour[i] >= first && p->neighbour[i] < last)
+            near[k++] = p->neighbour[i] - first;
+    return k;
+}
+
+/* Fills edge_a < edge_b with the candidate edges, each once, vertices counted from `first`. Returns their number. The
+ * edges are sorted: key[start[a]] .. holds what is near to a or near which a is, and these few are sorted. */
 static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
 {
     const uint32_t size = last - first;
-    uint32_t n = 0;
-    for (uint32_t v = first; v < last; v++) {
-        uint32_t near[SMR_NEAREST + SMR_NEIGHBOURS_TRIED], k = 0;
-        const uint32_t *const known = p->forest.nearest + SMR_NEAREST * (size_t)v, from = p->neighbour_start[v];
-        const uint32_t end = smr_min_u32(p->neighbour_start[v + 1u], from + SMR_NEIGHBOURS_TRIED);
-        for (; k < SMR_NEAREST && known[k] != SMR_NONE; k++)
-            near[k] = known[k];
-        for (uint32_t i = from; i < end; i++)
-            if (p->neighbour[i] >= first && p->neighbour[i] < last)
-                near[k++] = p->neighbour[i];
-        for (uint32_t i = 0; i < k; i++) {
-            const uint32_t a = smr_min_u32(v, near[i]) - first, b = smr_max_u32(v, near[i]) - first;
-            p->key[n] = a * size + b;
-            p->item[n++] = a;
-        }
-    }
-    smr_curve_sort(p->key, p->item, p->tmp, n);
-    uint32_t unique = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        if (i > 0u && p->key[i] == p->key[i - 1u])
-            continue;
-        p->forest.edge_a[unique] = p->item[i];
-        p->forest.edge_b[unique++] = p->key[i] - p->item[i] * size;
+    uint32_t near[SMR_NEAREST + SMR_NEIGHBOURS_TRIED], *const start = p->forest.link_start, unique = 0;
+    memset(start, 0, ((size_t)size + 1u) * sizeof *start);
+    for (uint32_t v = 0; v < size; v++)
+        for (uint32_t k = list_near(p, first + v, first, last, near); k-- > 0u;)
+            start[smr_min_u32(v, near[k])]++;
+    for (uint32_t v = 1; v <= size; v++)
+        start[v] += start[v - 1u];
+    for (uint32_t v = size; v-- > 0u;)
+        for (uint32_t k = list_near(p, first + v, first, last, near); k-- > 0u;)
+            p->key[--start[smr_min_u32(v, near[k])]] = smr_max_u32(v, near[k]);
+    for (uint32_t a = 0; a < size; a++) {
+        const uint32_t n = start[a + 1u] - start[a], *const b = p->key + start[a];
+        sort_few(p->key + start[a], n);
+        for (uint32_t i = 0; i < n; i++)
+            if (i == 0u || b[i] != b[i - 1u]) {
+                p->forest.edge_a[unique] = a;
+                p->forest.edge_b[unique++] = b[i];
+            }
     }
     return unique;
+}
+
+/* Sorts the edges item[n] by their weights key[n], at most `most` each, stable: two passes mostly are enough. */
+static void sort_edges(smr_plan *p, uint32_t n, uint32_t most)
+{
+    uint32_t count[SMR_SORT_BYTES];
+    const smr_sort s = {p->key, p->item, p->tmp, count, n};
+    for (uint32_t pass = 0; pass < (most > 0xffffu ? SMR_SORT_PASSES : 2u); pass++) {
+        smr_sort_count(&s, pass, 0, n);
+        smr_sort_move(&s, pass, 0, n);
+    }
 }
 
 /* Writes the edges of the minimum spanning tree over block and virtual root (number `size`) to tmp. Returns a count. */
@@ -94,7 +127,10 @@ static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32
         p->item[n_edges + v] = n_edges + v;
     }
     n_edges += size;
-    smr_curve_sort(p->key, p->item, p->tmp, n_edges);
+    uint32_t most = 0;
+    for (uint32_t e = 0; e < n_edges; e++)
+        most = smr_max_u32(most, p->key[e]);
+    sort_edges(p, n_edges, most);
     uint32_t kept = 0, *const parent = p->forest.parent;
     for (uint32_t v = 0; v <= size; v++)
         parent[v] = v;

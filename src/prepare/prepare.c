@@ -112,7 +112,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->priority.next = smr_arena_take(a, n, u);
     p->member = p->priority.witness;
     p->level = p->priority.next;
-    p->priority.bucket = smr_arena_take(a, n + 1u, u);
+    p->touched = p->priority.bucket = smr_arena_take(a, n + 1u, u);
     p->stored = smr_arena_take(a, n, u);
     p->along = smr_arena_take(a, n, u);
     p->row = smr_arena_take(a, p->n_rows, (p->words + (size_t)1u) * sizeof(uint64_t));

@@ -84,6 +84,7 @@ typedef struct smr_plan {
     uint64_t *row;       /* [n_rows][words + 1] rows of bits: sets of vertices, see smr_plan_row() */
     uint32_t *count;     /* [n] |zeta_i|, the number of vertices in each cluster */
     uint32_t *entry;     /* [n] number of each vertex' entry of L within the vertex' block */
+    uint32_t *touched;   /* [n] not 0: a vertex may lie in the cluster's boundary; the memory of priority.bucket */
     uint32_t *n_outside; /* [n] number of boundary vertices beyond the radius of each cluster; the memory of entry */
     uint32_t *member;    /* [n] vertices of the list being written; the memory of priority.witness */
 
@@ -158,22 +159,44 @@ static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->
 /* Returns 1 when clusters of the radius `mm` also hold the mesh neighbours of their vertex. */
 static inline int smr_holds_neighbours(const smr_plan *p, float mm) { return p->config->ring && mm >= p->edge_mm; }
 
-/* cluster: fills the row with the cluster zeta_v of this radius, mm; ball: with all vertices in the ball around v. */
-void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
-void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
+#define SMR_BOUNDARY_MM 7.0e-4f /* mm: largest half width of the boundary, thirty times the rounding of coordinates */
+#define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width of the boundary / radius */
+#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* largest relative rounding error of squared distances to boxes */
+
+/* Where the boundary of the balls of one radius lies (cluster_boundary_prepare.c). */
+typedef struct smr_boundary {
+    float half, near2, far2; /* half width, mm; squared distances that enclose it, mm^2 */
+} smr_boundary;
+
+static inline smr_boundary smr_boundary_at(float radius)
+{
+    const float half = smr_min(SMR_BOUNDARY_MM, SMR_BOUNDARY_SHARE * radius);
+    return (smr_boundary){half, (radius - half) * (radius - half) * (1.0f - SMR_BOUNDARY_ROUNDING),
+                          (radius + half) * (radius + half) * (1.0f + SMR_BOUNDARY_ROUNDING)};
+}
+
+/* cluster: fills the row with the cluster zeta_v of this radius, mm; ball: with all vertices in the ball around v.
+ * Return 0 when no vertex lies in the boundary of the ball around v. */
+uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
+uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
 /* Returns the set of a node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each.
  * *reaching: the set of the other boxes that reach into the ball of squared radius outside2. */
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching);
-/* Returns the set of a leaf's vertices in the ball of squared radius r2, mm^2, around p, a bit each. */
-uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float r2);
+/* Returns the set of a leaf's vertices in the ball of squared radius near2, mm^2, around p, a bit each. *outer: the set
+ * for the squared radius far2. */
+uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float near2, float far2, uint32_t *outer);
+
+/* Returns 1 when clusters of the current radius leave out vertices because of their structure. */
+static inline uint32_t smr_keeps_apart(const smr_plan *p) { return p->n_structures > 1u && p->separate; }
 
 /* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not cross
  * structures, except structures without triangles, which share the clusters around them. */
 static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
 {
     const uint32_t i = p->owner[a], k = p->owner[b];
-    return p->separate && i != k && p->structures[i].mesh.n_triangles > 0u && p->structures[k].mesh.n_triangles > 0u;
+    return smr_keeps_apart(p) && i != k && p->structures[i].mesh.n_triangles > 0u &&
+           p->structures[k].mesh.n_triangles > 0u;
 }
 
 /* Removes from the row the vertices of structures that are kept apart from v (smr_kept_apart). */

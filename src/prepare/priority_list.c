@@ -43,7 +43,7 @@ static smr_status count_remaining(smr_plan *p, float radius)
     for (uint32_t v = 0; v < p->n; v++) {
         if (p->priority.place[v] != SMR_REMAINS)
             continue;
-        smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
+        (void)smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
         change_counts(p, smr_plan_row(p, 0), 1u);
         if (stop_requested(p))
             return SMR_E_ABORTED;
@@ -71,14 +71,14 @@ static smr_status restore(smr_plan *p, float radius)
         const uint32_t v = p->position[i];
         if (p->count[v] >= SMR_KEPT)
             continue;
-        smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
+        (void)smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
         while (p->count[v] < SMR_KEPT) {
             const uint32_t k = first_listed(p, smr_plan_row(p, 0));
             if (k == SMR_REMAINS)
                 break;
             p->priority.list[p->priority.place[k]] = SMR_REMAINS;
             p->priority.place[k] = SMR_REMAINS;
-            smr_cluster_row(p, k, radius, smr_plan_row(p, 1));
+            (void)smr_cluster_row(p, k, radius, smr_plan_row(p, 1));
             change_counts(p, smr_plan_row(p, 1), 1u);
         }
         if (stop_requested(p))
@@ -121,7 +121,7 @@ static uint32_t scan(smr_plan *p, uint32_t v, float radius)
 {
     uint64_t *const row = smr_plan_row(p, 0);
     uint32_t m = UINT32_MAX;
-    smr_cluster_row(p, v, radius, row);
+    (void)smr_cluster_row(p, v, radius, row);
     for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
         uint32_t least = 0;
         for (uint32_t k = 0; row[w] == UINT64_MAX && k < 64u; k++)

@@ -13,28 +13,33 @@ void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
     *f = (smr_fit){.origin_from = origin_from, .origin_to = origin_to};
 }
 
+/* Adds each term with compensation (Knuth 1969). Rounding would move the end of a bone by a micrometre. */
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
 {
     from = smr_sub(from, f->origin_from);
     to = smr_sub(to, f->origin_to);
-    const float a[3] = {to.x, to.y, to.z}, b[3] = {from.x, from.y, from.z};
+    const smr_vec a = smr_scale(to, w), b = from;
+    const float term[SMR_FIT_SUMS] = {w * b.x,
+                                      w * b.y,
+                                      w * b.z,
+                                      a.x,
+                                      a.y,
+                                      a.z,
+                                      a.x * b.x,
+                                      a.x * b.y,
+                                      a.x * b.z,
+                                      a.y * b.x,
+                                      a.y * b.y,
+                                      a.y * b.z,
+                                      a.z * b.x,
+                                      a.z * b.y,
+                                      a.z * b.z,
+                                      w * smr_dot(from, from),
+                                      w * smr_dot(to, to)};
     f->weight += w;
-    float term[SMR_FIT_SUMS];
-    for (uint32_t r = 0; r < 3u; r++) {
-        term[SMR_FIT_FROM + r] = w * b[r];
-        term[SMR_FIT_TO + r] = w * a[r];
-        for (uint32_t c = 0; c < 3u; c++)
-            term[SMR_FIT_CROSS + 3u * r + c] = w * a[r] * b[c];
-    }
-    term[SMR_FIT_FROM2] = w * smr_dot(from, from);
-    term[SMR_FIT_TO2] = w * smr_dot(to, to);
-    /* sums with compensation (Neumaier 1974), since rounding would move the end of a bone by a micrometre; a choice of
-     * values instead of a branch lets compilers vectorise the loop */
     for (uint32_t i = 0; i < SMR_FIT_SUMS; i++) {
-        const float before = f->sum[i], now = term[i], sum = before + now;
-        const float large = __builtin_fabsf(before) >= __builtin_fabsf(now) ? before : now;
-        const float small = __builtin_fabsf(before) >= __builtin_fabsf(now) ? now : before;
-        f->lost[i] += (large - sum) + small;
+        const float before = f->sum[i], sum = before + term[i], added = sum - before;
+        f->lost[i] += (before - (sum - added)) + (term[i] - added);
         f->sum[i] = sum;
     }
 }
