@@ -207,6 +207,10 @@ void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t sha
 static void invert_inertia(const float c[6], float out[6])
 {
     const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];
+    if (!(trace > 0.0f)) { /* a single vertex, as all clusters of the last radius onto surfaces */
+        memset(out, 0, 6u * sizeof *out);
+        return;
+    }
     const float inertia[6] = {trace - c[SMR_XX], -c[SMR_XY], -c[SMR_XZ],
                               trace - c[SMR_YY], -c[SMR_YZ], trace - c[SMR_ZZ]};
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
