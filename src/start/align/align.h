@@ -73,13 +73,13 @@ static inline void smr_list_remove(smr_pose_list *l, uint32_t at)
 
 /* A sample's closest point on the other surface. */
 typedef struct smr_pair {
-    smr_vec at;           /* position of the closest point in the other surface's coordinates, mm */
-    float d2;             /* squared distance, mm^2 of the target; at most smr_aligner.far2 */
-    uint32_t triangle;    /* triangle of the closest point; SMR_NONE: none in range with an agreeing normal */
-    uint32_t sample;      /* number of the sample */
-    uint32_t border;      /* 1: the closest point lies on an open border of its surface */
-    smr_vec from, facing; /* position and normal of the sample in the last search, in the other surface's coordinates */
-    float reach;          /* distance that the last search found, mm of the other surface; 0: no search yet */
+    smr_vec at;        /* position of the closest point in the other surface's coordinates, mm */
+    float d2;          /* squared distance, mm^2 of the target; at most smr_aligner.far2 */
+    uint32_t triangle; /* triangle of the closest point; SMR_NONE: none in range with an agreeing normal */
+    uint32_t sample;   /* number of the sample */
+    uint32_t border;   /* 1: the closest point lies on an open border of its surface */
+    smr_vec from;      /* position of the sample in the last search, in the other surface's coordinates, mm */
+    float other;       /* least distance from there to the surface's other triangles, mm; 0: unknown */
 } smr_pair;
 
 /* One of the two surfaces and its samples. */

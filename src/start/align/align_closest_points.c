@@ -1,24 +1,22 @@
 /* align_closest_points.c: pairs of closest points in both directions under a pose, and refinement by them: iterative
  * closest point (ICP, Besl and McKay 1992, with agreeing normals). Outlier pairs lose their weight (Tukey's); the limit
- * follows from the distances. A sample keeps its triangle of the last search while no other can be clearly closer.
+ * follows from the distances. A sample keeps its triangle of the last search while no other can be closer.
  * Bounds: 2 * samples searches for the pairs; a quantile is 4 passes over a side's samples.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
 #include "geometry/box_tree/triangle.h"
 #include "start/align/align.h"
 
-#define SMR_AGREE 0.1f         /* smallest cosine between the normals of a sample and its closest point */
-#define SMR_MOSTLY 0.4f        /* share of a side's samples that is assumed to match the other side */
-#define SMR_LIMIT 5.7f         /* outlier limit / quantile SMR_MOSTLY of distances: three deviations, if half-normal */
-#define SMR_LEAST 0.045f       /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
-#define SMR_UNTRIMMED 1.0e15f  /* mm: outlier limit that no pair exceeds; its square still fits a float */
-#define SMR_STEADY 16u         /* smallest number of rounds before a refinement may end early, which rounding affects */
-#define SMR_STEADY_LAST 40u    /* SMR_STEADY of the last refinement, where the samples' kept triangles matter most */
-#define SMR_STILL 1.1f         /* distance / least possible distance up to which a sample keeps its triangle */
-#define SMR_STILL_NONE 0.95f   /* share of the range that a sample without a triangle must surely still have empty */
-#define SMR_STILL_SLACK 0.006f /* distance added to SMR_STILL times the least, except in the last refinement / spread */
-#define SMR_STILL_COS 0.99f    /* smallest cosine of the rotation of a sample's normal since the last search */
-#define SMR_STAGNANT 0.9999f   /* sum of squared distances / least sum so far above which a round is the last */
+#define SMR_AGREE 0.1f        /* smallest cosine between the normals of a sample and its closest point */
+#define SMR_MOSTLY 0.4f       /* share of a side's samples that is assumed to match the other side */
+#define SMR_LIMIT 5.7f        /* outlier limit / quantile SMR_MOSTLY of distances: three deviations, if half-normal */
+#define SMR_LEAST 0.045f      /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
+#define SMR_UNTRIMMED 1.0e15f /* mm: outlier limit that no pair exceeds; its square still fits a float */
+#define SMR_STEADY 16u        /* smallest number of rounds before a refinement may end early, which rounding affects */
+#define SMR_STEADY_LAST 40u   /* SMR_STEADY of the last refinement, where the samples' kept triangles matter most */
+#define SMR_LEARN 0.01f       /* largest displacement, in edges, after which a search learns what else is near */
+#define SMR_MOVED 1.0001f     /* factor on a displacement, for its rounding */
+#define SMR_STAGNANT 0.9999f  /* sum of squared distances / least sum so far above which a round is the last */
 
 /* Returns the inverse of *p. One call in this file only: compilers vectorise two, whose unused lanes trap on 0 / 0. */
 smr_pose smr_pose_invert(const smr_pose *p)
@@ -32,29 +30,12 @@ smr_pose smr_pose_invert(const smr_pose *p)
     return q;
 }
 
-/* Returns 1 when a sample's triangle of the round before, as *hit, is still about the closest one. The last search
- * found none nearer than pair->reach, so none is nearer now than that distance less the way that the sample moved. */
-static int still_closest(const smr_box_tree *f, const smr_pair *pair, const smr_query *q, float slack, smr_hit *hit)
-{
-    const smr_vec moved = smr_sub(q->point, pair->from);
-    const float left = pair->reach - SMR_SQRT(smr_dot(moved, moved));
-    if (left <= 0.0f || (q->min_cos > -1.0f && smr_dot(q->normal, pair->facing) < SMR_STILL_COS))
-        return 0;
-    if (pair->triangle == SMR_NONE)
-        return left > SMR_STILL_NONE * pair->reach;
-    if (smr_dot(smr_get3(f->normal, pair->triangle), q->normal) < q->min_cos)
-        return 0;
-    const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)pair->triangle);
-    hit->triangle = pair->triangle;
-    hit->d2 = smr_triangle_closest(q->point, v.a, v.b, v.c, hit->weight);
-    return hit->d2 <= (SMR_STILL * left + slack) * (SMR_STILL * left + slack);
-}
-
 /* Writes the closest points of one side's samples on the other side. scale: mm of the target in a mm of `to`. */
 static void find(const smr_align_side *from, const smr_align_side *to, const smr_pose *pose, uint32_t samples,
-                 float scale, float far2, float slack)
+                 float scale, float far2)
 {
     const float sign = to->outward, min_cos = from->bare || to->bare ? -2.0f : SMR_AGREE;
+    const float edge = SMR_SQRT(to->surface->area_mean);
     const smr_hit none = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
     for (uint32_t k = 0; k < samples; k++) {
         const uint32_t i = smr_sample(from, k, samples);
@@ -62,13 +43,13 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
         const smr_query q = {smr_pose_apply(pose, from->point[i]),
                              smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), min_cos, UINT32_MAX,
                              pair->triangle};
+        const float moved = SMR_MOVED * smr_length(smr_sub(q.point, pair->from));
+        smr_certainty known = {moved < SMR_LEARN * edge ? moved : -1.0f, pair->other - moved, 0};
         smr_hit hit = none;
-        if (!still_closest(&to->surface->tree, pair, &q, slack / scale, &hit)) {
-            hit = none;
-            smr_surface_search(to->surface, NULL, &q, &hit);
+        smr_surface_search_known(to->surface, NULL, &q, &hit, &known);
+        if (!known.sure) {
             pair->from = q.point;
-            pair->facing = q.normal;
-            pair->reach = SMR_SQRT(hit.d2);
+            pair->other = hit.triangle != SMR_NONE ? known.other_mm : 0.0f;
         }
         pair->sample = i;
         pair->triangle = hit.triangle;
@@ -84,12 +65,11 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
 void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
 {
     const smr_pose back = smr_pose_invert(pose);
-    const float slack = samples < a->side[SMR_MODEL].n ? SMR_STILL_SLACK * smr_aligner_spread(a) : 0.0f;
     for (uint32_t k = 0; samples != a->used && k < samples; k++) /* pair[k] belonged to other samples */
-        a->side[SMR_MODEL].pair[k].reach = a->side[SMR_TARGET].pair[k].reach = 0.0f;
+        a->side[SMR_MODEL].pair[k].other = a->side[SMR_TARGET].pair[k].other = 0.0f;
     a->used = samples;
-    find(&a->side[SMR_MODEL], &a->side[SMR_TARGET], pose, samples, 1.0f, a->far2, slack);
-    find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2, slack);
+    find(&a->side[SMR_MODEL], &a->side[SMR_TARGET], pose, samples, 1.0f, a->far2);
+    find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2);
 }
 
 /* Returns a quantile of a side's squared distances, mm^2, by a radix search: bits of floats >= 0 sort as floats. */
