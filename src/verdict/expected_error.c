@@ -75,8 +75,7 @@ typedef struct normal_field {
     float again;       /* factor on the motion from the start, as the observations give it */
 } normal_field;
 
-/* Places arrays in the memory of sums, and of records behind the verdict's closest points (two words a vertex) and behind
- * the expected errors. Returns the number of observations for which there is room. */
+/* Places arrays in the memory of sums and records. Returns the number of observations for which there is room. */
 static uint32_t place(normal_field *f, const smr *s)
 {
     const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
