@@ -87,7 +87,7 @@ static uint32_t place(normal_field *f, const smr *s)
     f->moved = f->normal + 3u * (size_t)most;
     f->open = f->moved + most;
     f->lower = f->open + most;
-    f->known = (smr_lanes3 *)(s->overlay.record + smr_ceil_div(2u * s->shared.n, 4u) * 4u);
+    f->known = (smr_lanes3 *)(void *)(s->overlay.record + smr_ceil_div(2u * s->shared.n, 4u) * 4u); /* 16-byte place */
     f->term = (terms *)smr_vertex_expected(s, s->shared.n);
     return most;
 }

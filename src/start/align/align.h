@@ -76,10 +76,7 @@ typedef struct smr_pair {
     smr_vec at;        /* position of the closest point in the other surface's coordinates, mm */
     float d2;          /* squared distance, mm^2 of the target; at most smr_aligner.far2 */
     uint32_t triangle; /* triangle of the closest point; SMR_NONE: none in range with an agreeing normal */
-    uint32_t sample;   /* number of the sample */
     uint32_t border;   /* 1: the closest point lies on an open border of its surface */
-    smr_vec from;      /* position of the sample in the last search, in the other surface's coordinates, mm */
-    float other;       /* least distance from there to the surface's other triangles, mm; 0: unknown */
 } smr_pair;
 
 /* One of the two surfaces and its samples. */
@@ -143,30 +140,22 @@ float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES]);
 #define SMR_REFINE_SCALED 1u  /* bit of `how`: the refinement fits scale, rotation and translation */
 #define SMR_REFINE_TRIMMED 2u /* bit of `how`: outlier pairs get no weight */
 
-/* Replaces *pose, mirrored or not, by the pose that fits the pairs, of points of the model, mirrored in x if *pose is,
- * and of the target. Returns 0, with *pose unchanged, when the scale leaves 0.1 .. 10. */
-int smr_pose_fit(const smr_fit *fit, int scaled, smr_pose *pose);
-
 /* Refines *pose, mirrored or not, in at most `rounds` rounds over `samples` samples of each side. how: SMR_REFINE_...
  * Returns 0 with too few pairs or when the scale leaves 0.1 .. 10; *pose then is the pose of the round before. */
 int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t how, smr_pose *pose);
 
 /* ---- align_coarse_search.c: the coarse search among samples of both surfaces ---- */
 
-#define SMR_COARSE_LANES 8u /* number of pairs that a vectorised loop computes together */
-#define SMR_COARSE 96u      /* number of samples of each side; a multiple of SMR_COARSE_LANES, at most 128 */
-#define SMR_COARSE_FEW 32u  /* number of samples with which the search begins; a multiple of SMR_COARSE_LANES */
-#define SMR_SHIFTS 7u       /* number of translations tried with each rotation */
-#define SMR_SHIFTS_LONG 3u  /* number of translations: by centroids, and by both ends of the longest axis */
+#define SMR_COARSE 96u     /* number of samples of each side; a multiple of SMR_COARSE_LANES */
+#define SMR_SHIFTS 7u      /* number of translations tried with each rotation */
+#define SMR_SHIFTS_LONG 3u /* number of translations: by centroids, and by both ends of the longest axis */
 
-/* The samples of both surfaces for the coarse search. The first SMR_COARSE_FEW are spread over the surface like all. */
+/* The samples of both surfaces for the coarse search. */
 typedef struct smr_coarse {
-    smr_vec point[SMR_SIDES][SMR_COARSE], normal[SMR_SIDES][SMR_COARSE]; /* positions, mm; unit normals */
-    float weight[2][SMR_SIDES][SMR_COARSE]; /* weights of the first few and of all samples; a side's sum is 1 */
-    /* coefficients of each target sample in the cost of a pair, see smr_coarse_take() */
-    _Alignas(16) float term[SMR_COARSE / SMR_COARSE_LANES][8][SMR_COARSE_LANES];
-    float along; /* weight of a squared distance along the surface; 1 without normals */
-    float bend;  /* squared distance beyond which samples do not match, mm^2 */
+    float x[SMR_SIDES][6][SMR_COARSE];   /* x, y, z of positions, mm, then of unit normals */
+    float weight[SMR_SIDES][SMR_COARSE]; /* weight of each sample; a side's sum is 1 */
+    float faced;                         /* 1: normals are compared; 0: a side is a cloud without normals */
+    float limit;                         /* distance beyond which samples do not match, mm */
 } smr_coarse;
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
@@ -175,7 +164,5 @@ void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_
  * model or, with `mirrored` 1, of the model's mirror image. */
 void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
                       smr_pose_list *found);
-/* Refines the pose rigidly by pairs of coarse samples, and writes its cost by them. Returns 0 with too few pairs. */
-int smr_coarse_refine(const smr_coarse *c, smr_pose *pose, float *cost);
 
 #endif

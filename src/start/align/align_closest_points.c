@@ -1,10 +1,9 @@
 /* align_closest_points.c: pairs of closest points in both directions under a pose, and refinement by them: iterative
  * closest point (ICP, Besl and McKay 1992, with agreeing normals). Outlier pairs lose their weight (Tukey's); the limit
- * follows from the distances. A sample keeps its triangle of the last search while no other can be closer.
+ * follows from the distances.
  * Bounds: 2 * samples searches for the pairs; a quantile is 4 passes over a side's samples.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
-#include "geometry/box_tree/triangle.h"
 #include "start/align/align.h"
 
 #define SMR_AGREE 0.1f        /* smallest cosine between the normals of a sample and its closest point */
@@ -13,10 +12,7 @@
 #define SMR_LEAST 0.045f      /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
 #define SMR_UNTRIMMED 1.0e15f /* mm: outlier limit that no pair exceeds; its square still fits a float */
 #define SMR_STEADY 16u        /* smallest number of rounds before a refinement may end early, which rounding affects */
-#define SMR_STEADY_LAST 40u   /* SMR_STEADY of the last refinement, where the samples' kept triangles matter most */
-#define SMR_LEARN 0.01f       /* largest displacement, in edges, after which a search learns what else is near */
-#define SMR_MOVED 1.0001f     /* factor on a displacement, for its rounding */
-#define SMR_STAGNANT 0.9999f  /* sum of squared distances / least sum so far above which a round is the last */
+#define SMR_STAGNANT 0.9995f  /* sum of squared distances / least sum so far above which a round is the last */
 
 /* Returns the inverse of *p. One call in this file only: compilers vectorise two, whose unused lanes trap on 0 / 0. */
 smr_pose smr_pose_invert(const smr_pose *p)
@@ -35,23 +31,14 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
                  float scale, float far2)
 {
     const float sign = to->outward, min_cos = from->bare || to->bare ? -2.0f : SMR_AGREE;
-    const float edge = SMR_SQRT(to->surface->area_mean);
-    const smr_hit none = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
     for (uint32_t k = 0; k < samples; k++) {
         const uint32_t i = smr_sample(from, k, samples);
         smr_pair *const pair = &from->pair[k];
         const smr_query q = {smr_pose_apply(pose, from->point[i]),
                              smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), min_cos, UINT32_MAX,
                              pair->triangle};
-        const float moved = SMR_MOVED * smr_length(smr_sub(q.point, pair->from));
-        smr_certainty known = {moved < SMR_LEARN * edge ? moved : -1.0f, pair->other - moved, 0};
-        smr_hit hit = none;
-        smr_surface_search_known(to->surface, NULL, &q, &hit, &known);
-        if (!known.sure) {
-            pair->from = q.point;
-            pair->other = hit.triangle != SMR_NONE ? known.other_mm : 0.0f;
-        }
-        pair->sample = i;
+        smr_hit hit = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
+        smr_surface_search(to->surface, NULL, &q, &hit);
         pair->triangle = hit.triangle;
         pair->d2 = hit.d2 * scale * scale;
         pair->border = 0;
@@ -65,8 +52,6 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
 void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
 {
     const smr_pose back = smr_pose_invert(pose);
-    for (uint32_t k = 0; samples != a->used && k < samples; k++) /* pair[k] belonged to other samples */
-        a->side[SMR_MODEL].pair[k].other = a->side[SMR_TARGET].pair[k].other = 0.0f;
     a->used = samples;
     find(&a->side[SMR_MODEL], &a->side[SMR_TARGET], pose, samples, 1.0f, a->far2);
     find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2);
@@ -102,7 +87,7 @@ float smr_pairs_share(const smr_aligner *a, uint32_t side, float limit)
     const smr_align_side *s = &a->side[side];
     float near = 0.0f, all = 1.0e-6f;
     for (uint32_t k = 0; k < a->used; k++) {
-        const float weight = s->weight[s->pair[k].sample];
+        const float weight = s->weight[smr_sample(s, k, a->used)];
         near += s->pair[k].d2 < limit * limit ? weight : 0.0f;
         all += weight;
     }
@@ -117,7 +102,7 @@ float smr_pairs_cost(const smr_aligner *a)
         const smr_align_side *s = &a->side[side];
         float sum = 0.0f, all = 1.0e-6f;
         for (uint32_t k = 0; k < a->used; k++) {
-            const float weight = s->weight[s->pair[k].sample];
+            const float weight = s->weight[smr_sample(s, k, a->used)];
             sum += weight * smr_min(s->pair[k].d2, most);
             all += weight;
         }
@@ -133,7 +118,7 @@ float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES])
         const smr_align_side *s = &a->side[side];
         const float most = quantile(a, side, share[side]);
         for (uint32_t k = 0; k < a->used; k++) {
-            const float d2 = s->pair[k].d2, weight = d2 <= most ? s->weight[s->pair[k].sample] : 0.0f;
+            const float d2 = s->pair[k].d2, weight = d2 <= most ? s->weight[smr_sample(s, k, a->used)] : 0.0f;
             sum += weight * d2;
             all += weight;
         }
@@ -150,7 +135,7 @@ static float collect(const smr_aligner *a, uint32_t side, float limit, int mirro
     float sum = 0.0f;
     for (uint32_t k = 0; k < a->used; k++) {
         const smr_pair *pair = &from->pair[k];
-        const uint32_t i = pair->sample;
+        const uint32_t i = smr_sample(from, k, a->used);
         const float left = 1.0f - pair->d2 * inverse, weight = trimmed ? from->weight[i] : 1.0f;
         sum += weight * (trimmed ? smr_min(pair->d2, limit * limit) : pair->d2);
         if (pair->triangle == SMR_NONE || !(left * weight > 0.0f) || (trimmed && pair->border))
@@ -163,22 +148,9 @@ static float collect(const smr_aligner *a, uint32_t side, float limit, int mirro
     return sum;
 }
 
-int smr_pose_fit(const smr_fit *fit, int scaled, smr_pose *pose)
-{
-    smr_pose next = smr_fit_solve(fit, scaled);
-    const float size = smr_pose_scale(&next);
-    if (!(size > 0.1f && size < 10.0f))
-        return 0; /* the model shrinks onto a small area, or the reverse */
-    for (uint32_t r = 0; r < 3u && smr_pose_mirrors(pose); r++) /* adds the mirroring in x to the fitted pose */
-        next.m[r][0] = -next.m[r][0];
-    *pose = next;
-    return 1;
-}
-
 int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t how, smr_pose *pose)
 {
-    const int mirrored = smr_pose_mirrors(pose);
-    const uint32_t steady = samples < a->side[SMR_MODEL].n ? SMR_STEADY : SMR_STEADY_LAST;
+    const int mirrored = smr_pose_mirrors(pose), scaled = (how & SMR_REFINE_SCALED) != 0u;
     float last = FLT_MAX;
     for (uint32_t i = 0; i < rounds; i++) {
         smr_fit fit;
@@ -189,11 +161,16 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
         mean += collect(a, SMR_TARGET, limit, mirrored, &fit);
         if (!(fit.weight >= 3.0f))
             return 0;
-        if (i >= steady && mean > last * SMR_STAGNANT)
+        if (i >= SMR_STEADY && mean > last * SMR_STAGNANT)
             return 1;
         last = smr_min(last, mean);
-        if (!smr_pose_fit(&fit, (how & SMR_REFINE_SCALED) != 0u, pose))
-            return 0;
+        smr_pose next = smr_fit_solve(&fit, scaled);
+        const float size = smr_pose_scale(&next);
+        if (!(size > 0.1f && size < 10.0f))
+            return 0;                                 /* the model shrinks onto a small area, or the reverse */
+        for (uint32_t r = 0; r < 3u && mirrored; r++) /* adds the mirroring in x to the fitted pose */
+            next.m[r][0] = -next.m[r][0];
+        *pose = next;
     }
     return 1;
 }

@@ -1,28 +1,25 @@
 /* align_surfaces.c: the start pose from two surfaces, without landmarks, and a report on it.
  * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
- * which is right for whole surfaces; refinements of the results by the coarse samples, short ones by closest points of
- * the best of them and of the given pose, longer ones of the best of those.
+ * which is right for whole surfaces; short refinements of the results and of the given pose, longer ones of the best.
  * The best pose is refined by all pairs when nearly all samples of both surfaces match, else without outliers. The
  * given pose is kept when it is about as good.
- * Bounds: 4 coarse searches, at most 17 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS, 2 of
- * config.iterations; for the mirror image 1 search, 3 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
+ * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS, 2 of
+ * config.iterations; for the mirror image 1 search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "start/align/align.h"
 
-#define SMR_ROUNDS_SHORT 16u  /* largest number of rounds of a short refinement */
-#define SMR_ROUNDS 30u        /* largest number of rounds of a longer refinement */
-#define SMR_FINALISTS 4u      /* largest number of poses that get a longer refinement */
-#define SMR_OF_SCALE 8u       /* number of poses found by a search at another scale or for the mirror image */
-#define SMR_KEPT 8u           /* number of poses at scale 1 that are refined by closest points */
-#define SMR_KEPT_OF_SCALE 3u  /* number of poses at another scale, or mirrored, that are refined by closest points */
-#define SMR_LARGER 1.136f     /* scale of a further search, as is its inverse: a part's spread gives no scale */
-#define SMR_SAME_SIZE 0.03f   /* largest |ratio of the spreads - 1| without a search at this ratio */
-#define SMR_ALIKE_COS 0.95f   /* smallest cosine of the rotation between two similar poses (18 degrees) */
-#define SMR_ALIKE_SHIFT 0.1f  /* largest distance between two similar poses / spread of the target */
-#define SMR_ALIKE_SCALE 1.04f /* largest ratio of the scales of two similar poses */
-#define SMR_CHEAPER 0.98f     /* a pose replaces a similar one if its cost / the similar one's cost is lower */
-#define SMR_FAR_SHARE 0.75f   /* search range of closest points / larger spread of both surfaces */
+#define SMR_ROUNDS_SHORT 6u        /* largest number of rounds of a short refinement */
+#define SMR_ROUNDS 16u             /* largest number of rounds of a longer refinement */
+#define SMR_FINALISTS 4u           /* largest number of poses that get a longer refinement */
+#define SMR_OF_SCALE 8u            /* number of poses kept from a search at another scale or for the mirror image */
+#define SMR_LARGER 1.136f          /* scale of a further search, as is its inverse: a part's spread gives no scale */
+#define SMR_SAME_SIZE 0.03f        /* largest |ratio of the spreads - 1| without a search at this ratio */
+#define SMR_ALIKE_COS 0.95f        /* smallest cosine of the rotation between two similar poses (18 degrees) */
+#define SMR_ALIKE_SHIFT 0.1f       /* largest distance between two similar poses / spread of the target */
+#define SMR_ALIKE_SCALE 1.04f      /* largest ratio of the scales of two similar poses */
+#define SMR_CHEAPER 0.98f          /* a pose replaces a similar one if its cost / the similar one's cost is lower */
+#define SMR_FAR_SHARE 0.75f        /* search range of closest points / larger spread of both surfaces */
 #define SMR_EXPLAINED_SHARE 0.08f  /* distance beyond which samples do not match / smaller spread */
 #define SMR_WHOLE 0.9f             /* share of matching samples above which, on both sides, surfaces are wholes */
 #define SMR_WHOLE_WORSE 1.2f       /* largest cost after a refinement by all pairs / cost before, for wholes */
@@ -93,24 +90,12 @@ static void refine_list(smr_aligner *a, const smr_pose_list *from, uint32_t samp
     }
 }
 
-/* Fills `into` with the best poses of this scale by the coarse samples, with the first n_shifts translations. */
-static void search(align_work *w, float scale, uint32_t n_shifts, int mirrored, uint32_t most, smr_pose_list *into)
-{
-    smr_list_start(&w->found, n_shifts == SMR_SHIFTS ? SMR_LIST_MOST : SMR_OF_SCALE);
-    smr_list_start(into, most);
-    smr_align_search(&w->aligner, &w->coarse, scale, n_shifts, mirrored, &w->found);
-    for (uint32_t i = 0; i < w->found.n; i++) {
-        float cost;
-        if (smr_coarse_refine(&w->coarse, &w->found.pose[i], &cost))
-            insert_or_replace(&w->aligner, &w->found.pose[i], cost, into);
-    }
-}
-
 /* Searches poses at this scale, refines the best with a free scale, and adds them to w->shorter. how: SMR_REFINE_... */
 static void try_scale(align_work *w, float scale, uint32_t how)
 {
-    search(w, scale, SMR_SHIFTS_LONG, 0, SMR_KEPT_OF_SCALE, &w->best);
-    refine_list(&w->aligner, &w->best, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
+    smr_list_start(&w->found, SMR_OF_SCALE);
+    smr_align_search(&w->aligner, &w->coarse, scale, SMR_SHIFTS_LONG, 0, &w->found);
+    refine_list(&w->aligner, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
 }
 
 /* Fills w->best with poses whose scale is fitted, which distinguishes bones of two sizes. `given` is tried, too. */
@@ -119,10 +104,11 @@ static void find_poses(align_work *w, const smr_pose *given)
     smr_aligner *a = &w->aligner;
     const float ratio = a->side[SMR_TARGET].spread / smr_max(a->side[SMR_MODEL].spread, 1.0e-6f);
     smr_coarse_take(&w->coarse, a);
-    search(w, 1.0f, SMR_SHIFTS, 0, SMR_KEPT, &w->best);
-    smr_list_insert(&w->best, given, 0.0f);
+    smr_list_start(&w->found, SMR_LIST_MOST);
+    smr_align_search(a, &w->coarse, 1.0f, SMR_SHIFTS, 0, &w->found);
+    smr_list_insert(&w->found, given, 0.0f);
     smr_list_start(&w->shorter, SMR_FINALISTS);
-    refine_list(a, &w->best, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
+    refine_list(a, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
     try_scale(w, 1.0f / SMR_LARGER, SMR_REFINE_TRIMMED);
     try_scale(w, SMR_LARGER, SMR_REFINE_TRIMMED);
     if (!smr_within(ratio - 1.0f, SMR_SAME_SIZE) && ratio > 0.2f && ratio < 5.0f)
@@ -135,10 +121,11 @@ static void find_poses(align_work *w, const smr_pose *given)
 static smr_pose find_mirrored(align_work *w, float scale, int scaled)
 {
     const uint32_t how = SMR_REFINE_TRIMMED | (scaled ? SMR_REFINE_SCALED : 0u);
-    search(w, scale, SMR_SHIFTS_LONG, 1, SMR_KEPT_OF_SCALE, &w->best);
-    smr_pose pose = w->best.n > 0u ? w->best.pose[0] : w->found.pose[0];
+    smr_list_start(&w->found, SMR_OF_SCALE);
+    smr_align_search(&w->aligner, &w->coarse, scale, SMR_SHIFTS_LONG, 1, &w->found);
+    smr_pose pose = w->found.pose[0];
     smr_list_start(&w->shorter, 1);
-    refine_list(&w->aligner, &w->best, w->few, SMR_ROUNDS_SHORT, how, &w->shorter);
+    refine_list(&w->aligner, &w->found, w->few, SMR_ROUNDS_SHORT, how, &w->shorter);
     if (w->shorter.n > 0u)
         pose = w->shorter.pose[0];
     (void)smr_align_refine(&w->aligner, w->some, SMR_ROUNDS, how, &pose);
@@ -204,7 +191,7 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 static void prepare(align_work *w, const smr_surface *model, const smr_surface *target, uint32_t samples)
 {
     smr_aligner *a = &w->aligner;
-    w->few = samples / 7u + 8u;
+    w->few = samples / 10u + 8u;
     w->some = samples / 3u + 8u;
     w->all = samples;
     smr_align_side_make(&a->side[SMR_MODEL], model, samples);
