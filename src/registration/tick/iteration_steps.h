@@ -79,9 +79,9 @@ void smr_budget_resume(smr *s);                   /* when a tick continues an it
 void smr_budget_done(smr *s);                     /* after an iteration: stores its time; adapts the margin */
 /* returns 1 when the remaining time, left_ns, is needed for the rest of the iteration */
 int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
-uint32_t smr_budget_group(smr *s, uint32_t n_tasks, uint64_t budget_ns); /* tasks between two readings of the clock */
-uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group);     /* predicted ns of `group` tasks; 0: unknown */
-void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);          /* adds ns to the step's time */
-void smr_budget_learn(smr *s, uint32_t n_tasks);                         /* after a step: stores its cost */
+uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* predicted ns of `group` tasks; 0: unknown */
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);      /* adds ns to the step's time */
+void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* after a step: stores its cost */
 
 #endif

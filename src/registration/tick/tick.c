@@ -24,26 +24,19 @@ static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
         p->run(p->stage, p->first + task, worker);
 }
 
-/* Returns 1 when one worker runs a group of tasks, one after the other: also pieces, by a single worker. */
-static int in_order(const smr *s, const smr_step *step)
-{
-    return step->order == SMR_SERIAL || (step->abreast != NULL && s->port.n_workers <= 1u);
-}
-
 static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
 {
-    const uint32_t bundle = in_order(s, step) ? count : timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
+    const uint32_t bundle = timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
     part_of_step part = {smr_stage_of(s, step), step->run, s->next_task, count, bundle};
     s->refused |= !smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
     s->next_task += count;
 }
 
 typedef struct watch {
-    uint64_t deadline;     /* reading of the clock, ns, at which this tick must end; 0: no budget */
-    uint64_t budget;       /* the tick's budget, ns; 0: none */
-    uint64_t last;         /* last reading of the clock, ns */
-    int begun;             /* 0: no group of tasks has run yet. The first one always runs: each tick makes progress */
-    uint32_t folds, every; /* number of fold tasks since the last reading; number between two readings */
+    uint64_t deadline; /* reading of the clock, ns, at which this tick must end; 0: no budget */
+    uint64_t budget;   /* the tick's budget, ns; 0: none */
+    uint64_t last;     /* last reading of the clock, ns */
+    int begun;         /* 0: no group of tasks has run yet. The first one always runs: each tick makes progress */
 } watch;
 
 /* Reads the clock. Returns 1 when the budget ends within `ahead` ns, or the clock has run backwards. */
@@ -56,22 +49,6 @@ static int over(smr *s, watch *w, uint64_t ahead)
         smr_budget_spend(s, time - w->last, w->budget);
     w->last = time;
     return back || time >= w->deadline || ahead > w->deadline - time;
-}
-
-#define SMR_FOLD_NS 20000u /* ns of fold tasks, whose number is not known beforehand, between two readings */
-#define SMR_FOLD_TASKS 16u /* most fold tasks between two readings */
-
-/* Reads the clock before a group of tasks; in fold steps, whose tasks are short, only once in a while. As over(). */
-static int over_before(smr *s, const smr_step *step, watch *w, uint64_t ahead)
-{
-    const uint64_t before = w->last;
-    if (step->work == SMR_WORK_FOLDS && ++w->folds < w->every)
-        return 0;
-    const int end = over(s, w, ahead);
-    const uint64_t task_ns = (w->last > before ? w->last - before : 0u) / smr_max_u32(w->folds, 1u);
-    w->every = task_ns * SMR_FOLD_TASKS < SMR_FOLD_NS ? SMR_FOLD_TASKS : (uint32_t)(SMR_FOLD_NS / task_ns);
-    w->folds = 0;
-    return end;
 }
 
 /* Returns 1 when more vertices would exceed the time: sets n_active to the number of vertices searched so far. */
@@ -88,18 +65,16 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 /* Runs the current step of n >= 1 tasks. SMR_PARTIAL: the budget ended. SMR_E_STATE: port or caller's force failed. */
 static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
-    const int all_at_once = w->deadline == 0u && step->work != SMR_WORK_FOLDS; /* the number of fold tasks changes */
-    const uint32_t group = all_at_once ? n : smr_budget_group(s, n, w->budget);
+    const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
     const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_budget_ahead(s, n, group), w->budget / 4u);
     for (; s->next_task < n; n = smr_step_tasks(s, step)) { /* fold steps get more tasks as they run */
-        if (w->deadline != 0u && w->begun && over_before(s, step, w, ahead))
+        if (w->deadline != 0u && w->begun && over(s, w, ahead))
             return SMR_PARTIAL;
         w->begun = 1;
         if (cut(s, step, w, group))
             break;
-        const int may_change = step->order == SMR_SERIAL && s->next_task == 0u; /* the first task may change n */
-        uint32_t count = may_change ? 1u : smr_min_u32(group, n - s->next_task);
-        if (step->abreast != NULL && !in_order(s, step)) { /* the next pieces need the results of these */
+        uint32_t count = smr_min_u32(group, n - s->next_task);
+        if (step->abreast != NULL) { /* the next pieces need the results of the current ones */
             const uint32_t abreast = step->abreast(smr_stage_of(s, step));
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
@@ -150,7 +125,7 @@ static smr_tick_report report_of(const smr *s)
 
 static watch begin(smr *s, uint64_t budget_ns)
 {
-    watch w = {0, 0, now(s), 0, 0, 1};
+    watch w = {0, 0, now(s), 0};
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
         smr_budget_resume(s);

@@ -18,9 +18,8 @@
 #define SMR_LATE 0.0625f     /* added to the factor on the reserve when an iteration did not end in its tick */
 #define SMR_IN_TIME 0.001f   /* subtracted from the factor on the reserve per iteration in time: one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
-#define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop, or one reading of the clock */
-#define SMR_ALONE 0.0625f         /* largest share of the budget between two readings of the clock by one worker */
-#define SMR_GROUP_TASKS 64.0f     /* most tasks for each worker between two readings of the clock */
+#define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
+#define SMR_FORK_TASKS 64.0f      /* most tasks for each worker in one parallel loop */
 #define SMR_LOOK 16u              /* fewest vertices between two checks of the reserve */
 #define SMR_CLOSING 3u            /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
 
@@ -135,16 +134,15 @@ void smr_budget_plan(smr *s, uint64_t budget_ns)
     s->budget.uncut = s->shared.config.basic.budget_exact || closing || cost > (float)budget_ns;
 }
 
-uint32_t smr_budget_group(smr *s, uint32_t n_tasks, uint64_t budget_ns)
+uint32_t smr_budget_group(smr *s, uint32_t n_tasks)
 {
     const smr_step *step = &smr_steps[s->step];
-    const uint32_t workers = step->order == SMR_SERIAL ? 1u : smr_max_u32(s->port.n_workers, 1u);
+    const uint32_t workers = smr_max_u32(s->port.n_workers, 1u);
     const float rate = s->budget.rate[s->step];
-    const float work_ns = workers > 1u ? SMR_FORK_NS : smr_min(SMR_ALONE * (float)budget_ns, SMR_FORK_NS);
-    if (n_tasks == 0u || !(rate >= 0.0f))
+    if (workers == 1u || n_tasks == 0u || !(rate >= 0.0f))
         return workers;
     const float task_ns = smr_max(rate * units_of(s, step, n_tasks) * (float)workers / (float)n_tasks, 1.0f);
-    return workers * smr_max_u32((uint32_t)smr_min(work_ns / task_ns, SMR_GROUP_TASKS), 1u);
+    return workers * smr_max_u32((uint32_t)smr_min(SMR_FORK_NS / task_ns, SMR_FORK_TASKS), 1u);
 }
 
 uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group)
