@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "geometry/surface/surface.h"
 #include "unit_tree.h"
 
 static void same(const smr_hit *got, const smr_hit *want, double *worst)
@@ -120,5 +121,9 @@ TEST(points_that_are_nowhere)
         smr_hit hit = {3600.0f, SMR_NONE, {0, 0, 0}};
         smr_tree_closest(&f, &q, &hit);
         assert_true(hit.triangle == SMR_NONE && hit.d2 == 3600.0f);
+        smr_query group[2] = {{smr_v(500, 0, 0), smr_v(0, 0, 0), -2.0f, 100000u, SMR_NONE}, q};
+        smr_hit found[2] = {hit, hit};
+        smr_closest_group(&f, NULL, group, 2, found);
+        assert_true(found[0].triangle == SMR_NONE && found[1].triangle == SMR_NONE);
     }
 }

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "registration/surface_goals/closest_point_goals.h"
 #include "unit_tree.h"
 
 /* The squared distance of triangle i alone; negative when it is not acceptable. */
@@ -130,4 +131,21 @@ TEST(near_ones_end_where_room_or_budget_do)
         assert_true(nearest > 0.0f);
     }
     assert_true(full > 100u);
+}
+
+/* The path that limits what searches know is never shorter than the sum of small displacements, whatever is rounded. */
+TEST(path_of_small_steps)
+{
+    const smr_shared shared = {.n = 0};
+    uint16_t other = 1;
+    smr_surface_goals g = {.shared = &shared, .other = &other, .path = 7.0f};
+    double sum = 7.0;
+    for (uint32_t i = 0; i < 300000u; i++) {
+        const float moved = 1.0e-7f * (float)(i % 7u);
+        smr_certainties_age(&g, moved);
+        sum += (double)moved;
+        assert_true((double)g.path >= sum);
+    }
+    smr_certainties_age(&g, 8.0f);
+    assert_true(g.path == 0.0f);
 }

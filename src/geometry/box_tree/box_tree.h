@@ -120,13 +120,16 @@ static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle
 /* What a search knows of the triangles that it did not find. With it the next search from a point nearby ends at once
  * while no other triangle can have become the closest one. The result has the same bits. */
 typedef struct smr_certainty {
-    float slack_mm; /* how far beyond the closest triangle the search looks, so that other_mm is large; negative: no
-                     * other_mm is sought, which makes the search cheaper */
-    float
-        other_mm;  /* lower bound of the distance to all triangles but q->warm, accepted or not, mm; 0: unknown; out: to
-                     * all but hit->triangle */
-    uint32_t sure; /* out: 1: q->warm is the closest triangle without a search, and other_mm is as before */
+    float slack_mm; /* how far beyond the closest triangle the search looks, so that other_mm is large; negative: the
+                     * search seeks no other_mm and is cheaper */
+    float other_mm; /* in: all triangles but q->warm, accepted or not, are at least this far away, mm; 0: unknown; out:
+                     * the same of all but hit->triangle */
+    uint32_t sure;  /* out: 1: q->warm is the closest triangle without a search; other_mm is as before */
 } smr_certainty;
+
+/* Measures triangle i, unless q or the mask leaves it out: updates *hit when the triangle is closer, or as close with a
+ * smaller rank. mask NULL: none is left out. */
+void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit);
 
 /* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched;
  * known NULL: nothing is known of other triangles. */

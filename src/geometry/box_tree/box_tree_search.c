@@ -63,6 +63,15 @@ static void take(const smr_box_tree *f, const smr_hit *found, smr_hit *hit, floa
         *hit = *found;
 }
 
+void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit)
+{
+    smr_hit found = {0.0f, i, {0, 0, 0}};
+    if (!accepted(f, mask, q, i))
+        return;
+    found.d2 = measure(f, q, i, found.weight);
+    take(f, &found, hit, 1.0f, NULL);
+}
+
 #define SMR_TIES 64u         /* most nodes opened whose boxes are exactly as far away as the closest triangle so far */
 #define SMR_BEYOND 24u       /* most nodes opened only for a lower bound of the distance to other triangles */
 #define SMR_ROUNDING 2.0e-6f /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */

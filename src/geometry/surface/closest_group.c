@@ -2,26 +2,9 @@
  * any of the points may need; each point then searches the listed nodes.
  * Bounds: a walk that opens each node once; SMR_GROUP_NODES nodes and their leaves for each point, or its own search.
  * SPDX-License-Identifier: MIT */
-#include "geometry/box_tree/triangle.h"
 #include "geometry/surface/surface.h"
 
 #define SMR_GROUP_NODES 24u /* most nodes above the leaves that a group searches together */
-
-/* Tests triangle i, unless its normal disagrees or the mask leaves it out: updates *hit when the triangle is closer, or
- * as close with a smaller rank. */
-static void try_triangle(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit)
-{
-    if (smr_dot(smr_get3(f->normal, i), q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)))
-        return;
-    const uint32_t *t = f->triangle + 3u * (size_t)i;
-    smr_hit found = {0.0f, i, {0, 0, 0}};
-    found.d2 = smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]),
-                                    found.weight);
-    const uint32_t before = hit->triangle;
-    const int first = before == SMR_NONE || f->rank == NULL ? i < before : f->rank[i] < f->rank[before];
-    if (found.d2 < hit->d2 || (found.d2 == hit->d2 && first))
-        *hit = found;
-}
 
 /* Returns the children of a node within the squared distance `bound` of a box as bits. */
 static uint32_t children_near(const smr_node *node, smr_box box, float bound)
@@ -64,7 +47,7 @@ static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const 
     for (uint32_t near = smr_box_distances(&f->node[leaf], q->point, hit->d2, d2); near != 0u; near &= near - 1u) {
         const uint32_t c = (uint32_t)__builtin_ctz(near);
         if (d2[c] <= hit->d2 && first + c < f->n_triangles && first + c != q->warm)
-            try_triangle(f, mask, q, first + c, hit);
+            smr_tree_try(f, mask, q, first + c, hit);
     }
 }
 
@@ -89,22 +72,29 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
 {
     smr_box box = {q[0].point, q[0].point};
     float bound = 0.0f;
+    int forged = 0; /* 1: positions of a forged model, NaN or as far as empty boxes */
     uint32_t node[SMR_GROUP_NODES];
     for (uint32_t i = 0; i < n; i++) {
         if (q[i].warm >= f->n_triangles)
             q[i].warm = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
         if (q[i].warm < f->n_triangles)
-            try_triangle(f, mask, &q[i], q[i].warm, &hit[i]);
+            smr_tree_try(f, mask, &q[i], q[i].warm, &hit[i]);
         else
             smr_tree_closest_but(f, mask, &q[i], &hit[i], NULL);
+        forged |= !(smr_dot(q[i].point, q[i].point) < SMR_FAR);
         bound = smr_max(bound, hit[i].d2);
         box = (smr_box){smr_low(box.lo, q[i].point), smr_high(box.hi, q[i].point)};
+    }
+    if (forged) {
+        for (uint32_t i = 0; i < n; i++)
+            smr_tree_closest_but(f, mask, &q[i], &hit[i], NULL);
+        return;
     }
     const uint32_t n_nodes = list_nodes(f, box, bound, node);
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t before = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
         if (before < f->n_triangles && before != q[i].warm)
-            try_triangle(f, mask, &q[i], before, &hit[i]);
+            smr_tree_try(f, mask, &q[i], before, &hit[i]);
         q[i].warm = hit[i].triangle;
         for (uint32_t k = 0; k < n_nodes && n_nodes <= SMR_GROUP_NODES; k++)
             search_node(f, mask, &q[i], node[k], &hit[i]);

@@ -5,9 +5,10 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
-#define SMR_FARTHER 1.0001f   /* factor on a displacement, for its rounding */
-#define SMR_ROUNDED 2.5e-7f   /* rounding of two positions relative to the target, as a share of the coordinates */
-#define SMR_PATH_MOST 1000.0f /* mm: length of `path` from which on its rounding matters */
+#define SMR_FARTHER 1.0001f /* factor on a displacement, for its rounding */
+#define SMR_ROUNDED 2.5e-7f /* rounding of two positions relative to the target, as a share of the coordinates */
+#define SMR_PATH_MOST 8.0f  /* mm: length of `path` at which certainties are discarded, so that its rounding is small */
+#define SMR_PATH_LEAST 2.0e-6f /* mm: added to each displacement: more than the rounding of sums up to SMR_PATH_MOST */
 
 /* Saves the state of targets. The caller sets the surfaces again, from which the list of distinct targets follows. */
 static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
@@ -74,7 +75,7 @@ void smr_certainties_clear(smr_surface_goals *g)
 void smr_certainties_age(smr_surface_goals *g, float moved)
 {
     g->moved = moved;
-    g->path += SMR_FARTHER * moved;
+    g->path += SMR_FARTHER * moved + SMR_PATH_LEAST;
     if (!(g->path < SMR_PATH_MOST))
         smr_certainties_clear(g);
 }

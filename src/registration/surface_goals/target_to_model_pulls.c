@@ -10,6 +10,7 @@
 /* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL fully. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
+#define SMR_KEY_ROUNDED 4.0e-6f /* mm: more than the rounding of a near distance plus the path */
 
 uint32_t smr_attract_tasks(const void *arg)
 {
@@ -101,7 +102,7 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, int
     if (found == SMR_NONE)
         return;
     const smr_shape_structure *one = &g->shape->structure[found];
-    g->target_other[slot] = known.other_mm + g->path;
+    g->target_other[slot] = known.other_mm + g->path - SMR_KEY_ROUNDED;
     g->target_warm[slot] = one->first_triangle + hit.triangle;
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
     const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
