@@ -127,7 +127,7 @@ static int accepts(int prepares, const smr_setting *s, double value)
         smr_prepare_config prepare;
         unsigned char byte[1024];
     } c;
-    const uint32_t whole = (uint32_t)value;
+    const uint32_t whole = s->kind == SMR_SETTING_NUMBER ? 0u : (uint32_t)value;
     const float number = (float)value;
     size_t bytes;
     memset(&c, 0, sizeof c);

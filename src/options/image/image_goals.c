@@ -162,8 +162,8 @@ static search_line line_of(const smr_image_goals *g, uint32_t v, const reference
     const smr_vec normal = smr_get3(g->shape->normal, v);
     const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
     search_line l;
-    l.reach = smr_min_u32((uint32_t)(profile_mm / r->step_mm + 0.5f), room);
-    l.edge_reach = smr_min_u32((uint32_t)(g->schedule->gradient_mm / r->step_mm + 0.5f), room);
+    l.reach = (uint32_t)smr_min(profile_mm / r->step_mm + 0.5f, (float)room); /* step_mm may be 0 */
+    l.edge_reach = (uint32_t)smr_min(g->schedule->gradient_mm / r->step_mm + 0.5f, (float)room);
     l.before = smr_max_u32(l.reach + r->inward, l.edge_reach + 2u);
     l.n = l.before + smr_max_u32(l.reach + r->n - r->inward, l.edge_reach + 3u);
     if (!(r->range > 0.0f) || smr_dot(normal, normal) < 0.5f || l.n > SMR_LINE_MAX || l.reach + l.edge_reach == 0u)
