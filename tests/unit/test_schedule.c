@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "property/rig_ball_image.h"
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};
@@ -71,13 +72,18 @@ TEST(test_iterations_of_each_radius)
 /* With an image the first of several radii has twice as many iterations, and progress goes on evenly. */
 TEST(test_first_radius_with_an_image)
 {
-    for (uint32_t last = 0; last < 3u; last++) {
+    const smr_volume image = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_model *model = rig_ball_model(&image);
+    smr_model_info info;
+    assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
+    assert_true(info.n_radii > 1u);
+    for (uint32_t last = 0; last < info.n_radii; last++) {
         smr_config c = steady();
         c.schedule.radius_last = last;
         c.basic.iterations = 4;
         c.basic.iterations_last = 7;
-        smr *s = start(&c, 1, 0);
-        s->forces.image.has_image = 1;
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_volume(s, &image));
         const uint32_t want = last == 0u ? 7u : 8u + 4u * (last - 1u) + 7u;
         smr_tick_report report = {0};
         for (uint32_t i = 1; i <= want; i++) {
