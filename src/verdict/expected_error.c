@@ -23,11 +23,11 @@
 #define SMR_NOISE_MOST 0.25f      /* largest noise variance / field's variance: a coarse residual is not all noise */
 #define SMR_NOISE_ROUNDS 5u       /* rounds that find size2 with the measured noise */
 #define SMR_NOISE_SHARE 0.64f     /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
-#define SMR_UNSEEN_NEAR 0.15f     /* variance across / process' variance, at invisible vertices near visible ones */
+#define SMR_UNSEEN_NEAR 0.06f     /* variance across / process' variance, at invisible vertices near visible ones */
 #define SMR_UNSEEN_IMAGE 0.75f    /* variance across / process' variance, invisible vertices of a partly shown model */
-#define SMR_UNSEEN_ACROSS 4.0f    /* growth of variance across / process' variance, a kernel length from the visible */
+#define SMR_UNSEEN_ACROSS 2.2f    /* growth of variance across / process' variance, a kernel length from the visible */
 #define SMR_UNSEEN_ALONG 2.5f     /* growth of variance along / process' variance, a kernel length from the visible */
-#define SMR_PARTIAL_ALONG 0.45f   /* variance along / process' variance where a regression limits sliding */
+#define SMR_PARTIAL_ALONG 0.22f   /* variance along / process' variance where a regression limits sliding */
 #define SMR_ALONG_LEAST 0.05f     /* smallest error along the surface, in mean edge lengths: vertices slide that far */
 #define SMR_NORMAL_MOTIONS 8.0f   /* variance of shift, turn, scale (at a kernel length) / field's variance */
 #define SMR_NORMAL_MORE 0.5f      /* variance of the motion from the start / square of that motion */

@@ -52,7 +52,7 @@ static const struct {
 } table[MEASURES] = {
     [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing is visible; else 0 */
     [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.8f, 0.9f, 1.3f, 1.0f},      /* hidden share of the model */
-    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.6f, 3.0f, 17.0f, 1.0f},       /* expected error with a partial target, mm */
+    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.0f, 2.3f, 13.0f, 1.0f},       /* expected error with a partial target, mm */
     [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error / bend */
     [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
     [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* uncovered share, if all is visible */

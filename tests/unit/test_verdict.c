@@ -220,18 +220,18 @@ TEST(test_part)
 {
     smr_verdict v;
     for (uint32_t k = 0; k < 4u; k++) { /* part or whole, little or more expected */
-        v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 2.9f : 3.5f);
+        v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 2.2f : 2.7f);
         for (int whole = 0; whole < 2; whole++) {
             smr_judge(&v, 4.0f, whole, 0.0f);
             assert_int_equal(k == 1u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
             assert_int_equal(k == 1u ? SMR_REASON_LITTLE_VISIBLE : 0u, v.reasons);
         }
     }
-    v = fair(0.02f, 3.5f);
+    v = fair(0.02f, 2.7f);
     v.target_covered = v.normals_agree = -1.0f;
     smr_judge(&v, 4.0f, 1, 0.0f);
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* landmarks alone */
-    v = fair(0.7f, 3.5f);
+    v = fair(0.7f, 2.7f);
     v.target_covered = v.normals_agree = -1.0f;
     v.goals_share = v.image_similarity = 0.95f;
     smr_judge(&v, 4.0f, 1, 0.0f);
