@@ -249,15 +249,15 @@ $(BUILD)/smr: $(HOST_MAIN_OBJ) $(HOST_LIB) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
+$(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(FIXTURE_OBJ)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/golden: $(GOLDEN_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/golden: $(GOLDEN_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 

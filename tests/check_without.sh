@@ -31,35 +31,40 @@ mkdir -p "$build/without"
 $cc -std=c11 -Wall -Wextra -O1 -Iinclude tests/without/refusals.c "$build/libsmr.a" -o "$tmp/whole" &&
     "$tmp/whole" write "$tmp/saved" || { not_ok 'saves and logs of the whole library'; finish; }
 check 'the whole library refuses nothing' "$tmp/whole" check "$tmp/saved"
+# `make size` compiles the sources one by one without each capability; as one source they compile in half of the time.
+env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation || { not_ok 'the amalgamation'; finish; }
+all_five=$build/without/$(echo "$capabilities" | tr ' ' -)
 for words in $capabilities "$capabilities"; do
-    dir=$(echo "$words" | tr ' ' -)
-    if ! make_without "$dir" "$words" "$build/without/$dir/libsmr.a" "$build/without/$dir/golden" >"$tmp/make" 2>&1; then
-        not_ok "$words: does not build"
-        cat "$tmp/make"
-        continue
-    fi
-    "$build/without/$dir/golden" >"$tmp/golden"
+    if [ "$words" = "$capabilities" ]; then
+        make_without "$(basename "$all_five")" "$words" "$all_five/libsmr.a" "$all_five/golden" >"$tmp/make" 2>&1
+        library=$all_five/libsmr.a golden=$all_five/golden
+    else
+        library=$tmp/part.o golden=$tmp/golden_run
+        # shellcheck disable=SC2046
+        $cc -std=c11 -Wall -Wextra -O1 -ffp-contract=off -fno-math-errno "-DSMR_WITHOUT_$(echo "$words" | tr a-z A-Z)" \
+            -c "$build/amalgamation/smr.c" -o "$library" >"$tmp/make" 2>&1 &&
+            $cc $(ls "$build"/obj/tests/golden/golden*.o "$build"/obj/fixtures/fixture_[!w]*.o) "$build/obj/tests/golden/print.o" \
+                "$build/libsmr_pthread.a" "$library" -pthread -lm -o "$golden" >>"$tmp/make" 2>&1
+    fi || { not_ok "$words: does not build"; cat "$tmp/make"; continue; }
+    "$golden" >"$tmp/golden"
     check "$words: the golden run ends with 2" [ $? -eq 2 ]
     check "$words: the golden run" as_expected "$tmp/golden" "$words"
-    $cc -std=c11 -O1 -Iinclude tests/without/refusals.c "$build/without/$dir/libsmr.a" -o "$tmp/part" || exit 1
+    $cc -std=c11 -O1 -Iinclude tests/without/refusals.c "$library" -lm -o "$tmp/part" || exit 1
     # shellcheck disable=SC2086
     check "$words: refusals" "$tmp/part" check "$tmp/saved" $words
 done
 
-dir=$build/without/$(echo "$capabilities" | tr ' ' -)
-check 'the program builds' make_without "$(basename "$dir")" "$capabilities" "$dir/smr"
-"$dir/smr" info x >"$tmp/said" 2>&1
+check 'the program builds' make_without "$(basename "$all_five")" "$capabilities" "$all_five/smr"
+"$all_five/smr" info x >"$tmp/said" 2>&1
 check 'the program ends with 2' [ $? -eq 2 ]
 check 'the program says what it was built without' grep -qx "smr: built without $capabilities" "$tmp/said"
-if env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation; then
-    for o in -O0 -O2; do
-        check "amalgamation without all five, $o" $cc -std=c11 -Wall -Wextra -Werror $o -ffp-contract=off -fno-math-errno \
-            -DSMR_WITHOUT_IMAGE -DSMR_WITHOUT_PARTIAL -DSMR_WITHOUT_TRACK -DSMR_WITHOUT_CONTACT -DSMR_WITHOUT_DYNAMICS \
-            "$build/amalgamation/smr.c" tests/without/refusals.c -Iinclude -lm -o "$tmp/one"
-        # shellcheck disable=SC2086
-        check "amalgamation without all five, $o: refusals" "$tmp/one" check "$tmp/saved" $capabilities
-    done
-fi
+for o in -O0 -O2; do
+    check "amalgamation without all five, $o" $cc -std=c11 -Wall -Wextra -Werror $o -ffp-contract=off -fno-math-errno \
+        -DSMR_WITHOUT_IMAGE -DSMR_WITHOUT_PARTIAL -DSMR_WITHOUT_TRACK -DSMR_WITHOUT_CONTACT -DSMR_WITHOUT_DYNAMICS \
+        "$build/amalgamation/smr.c" tests/without/refusals.c -Iinclude -lm -o "$tmp/one"
+    # shellcheck disable=SC2086
+    check "amalgamation without all five, $o: refusals" "$tmp/one" check "$tmp/saved" $capabilities
+done
 
 # CMake's options.
 if full && have cmake; then
@@ -68,8 +73,10 @@ if full && have cmake; then
     printf '%s\n' 'cmake_minimum_required(VERSION 3.13)' 'project(without C)' "add_subdirectory($root/port/cmake smr)" \
         "add_executable(refusals $root/tests/without/refusals.c)" 'target_link_libraries(refusals smr::smr)' \
         >"$tmp/cmake/CMakeLists.txt"
-    check 'CMake: configures' cmake -S "$tmp/cmake" -B "$tmp/cmake/build" -DCMAKE_C_COMPILER="$cc" -DSMR_WITHOUT_IMAGE=ON \
-        -DSMR_WITHOUT_TRACK=ON
+    configure() { cmake -S "$tmp/cmake" -B "$tmp/cmake/build" -DCMAKE_C_COMPILER="$cc" -DSMR_WITHOUT_IMAGE=ON -DSMR_WITHOUT_TRACK=ON "$@"; }
+    check 'CMake: configures' configure
+    check 'CMake: -O3 without a build type' grep -q -e ' -O3' "$tmp/cmake/build/smr/CMakeFiles/smr.dir/flags.make"
+    check 'CMake: configures for a quick build' configure -DCMAKE_C_FLAGS=-O0
     check 'CMake: builds' cmake --build "$tmp/cmake/build" -j "$jobs"
     check 'CMake: refusals' "$tmp/cmake/build/refusals" check "$tmp/saved" image track
 fi

@@ -1,6 +1,6 @@
 #!/bin/sh
 # check_traps: the golden run with traps on for division by zero, invalid operations and overflow: the library raises none,
-# not in unused lanes of vectors either. Fixtures are compiled without vectors: they are no part of the library.
+# not in unused lanes of vectors either; nor has it a fused multiply-add (check_fused.sh). Fixtures are compiled without vectors: they are no part of the library.
 # SPDX-License-Identifier: MIT
 # The library is the one that `make hashes` compiles for its row of -O3 -march=native; SMR_FULL=1: clang's, too.
 set -u
@@ -27,6 +27,7 @@ for compiler in $compilers; do
     dir=$build/hashes/$compiler-O3-marchnative
     check "$compiler: built" ${MAKE:-make} -s BUILD="$dir" CC=$compiler CFLAGS='-O3 -march=native' "$dir/libsmr.a" "$dir/libsmr_pthread.a" &&
         $compiler "$tmp"/*.o "$dir/libsmr_pthread.a" "$dir/libsmr.a" -pthread -lm -o "$tmp/golden" || { not_ok "$compiler: links"; continue; }
+    have objdump && same "$compiler -O3 -march=native: fused" "$(objdump -d "$dir/libsmr.a" | grep -oE "$fused" | sort -u | tr '\n' ' ')" ''
     ("$tmp/golden") >"$tmp/line" 2>&1
     same "$compiler -O3 -march=native, status and hash" "$? $(cat "$tmp/line")" "0 $(cat tests/golden/expected.txt)"
 done

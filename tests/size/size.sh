@@ -9,16 +9,16 @@ set -eu
 export LC_ALL=C
 unset MAKEFLAGS MFLAGS
 build=$BUILD/size
+whole=$BUILD/m7-board rest=$BUILD/without/m7 # what the boards' checks compile with -O2, too
 capabilities='image partial track contact dynamics'
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 mkdir -p "$build"
 
-# library NAME OPTIMISATION [CAPABILITY...]: builds libsmr.a for the Cortex-M7 in $build/NAME, without the capabilities.
+# library DIRECTORY OPTIMISATION [CAPABILITY...]: builds libsmr.a for the Cortex-M7 there, without the capabilities.
 library() {
-    name=$1 flags="$M7_CFLAGS $2"
+    dir=$1 flags="$M7_CFLAGS $2"
     shift 2
-    ${MAKE:-make} -s -j"$jobs" BUILD="$build/$name" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar CFLAGS="$flags" WITHOUT="$*" \
-        "$build/$name/libsmr.a"
+    ${MAKE:-make} -s -j"$jobs" BUILD="$dir" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar CFLAGS="$flags" WITHOUT="$*" "$dir/libsmr.a"
 }
 
 # code MAP: bytes from the library, from libc and its like, and in all.
@@ -42,35 +42,35 @@ code() {
         END { print library + 0, other + 0, all + 0 }' "$1"
 }
 
-# program NAME TEXT: links the smallest program with the library in $build/NAME, and prints a row.
+# program DIRECTORY TEXT: links the smallest program with the library there, and prints a row.
 program() {
     # shellcheck disable=SC2086
     arm-none-eabi-gcc -std=c11 -ffp-contract=off -fno-math-errno $M7_CFLAGS -O2 -Iinclude -nostartfiles -Wl,--gc-sections \
-        -Wl,-e,main -Wl,-Map,"$build/$1/smallest.map" tests/size/smallest.c "$build/$1/libsmr.a" -lm \
-        -o "$build/$1/smallest.elf"
-    row=$(code "$build/$1/smallest.map")
-    : "${whole:=$row}"
-    echo "$2 $row $whole" | awk '{ printf "  %-12s %9d %9d %9d %9d\n", $1, $4, $7 - $4, $2, $3 }'
+        -Wl,-e,main -Wl,-Map,"$1/smallest.map" tests/size/smallest.c "$1/libsmr.a" -lm -o "$1/smallest.elf"
+    row=$(code "$1/smallest.map")
+    : "${first:=$row}"
+    echo "$2 $row $first" | awk '{ printf "  %-12s %9d %9d %9d %9d\n", $1, $4, $7 - $4, $2, $3 }'
 }
 
 echo "libsmr.a, $($CC -dumpmachine), -O3:"
 $SIZE -t "$BUILD/libsmr.a" | sed -n '1p;$p'
 if command -v arm-none-eabi-gcc >/dev/null; then
     for o in -O2 -Os; do
-        library "m7$o" $o
+        [ $o = -O2 ] && dir=$whole || dir=$build/m7-Os
+        library "$dir" $o
         echo "libsmr.a, Cortex-M7, $o:"
-        arm-none-eabi-size -t "$build/m7$o/libsmr.a" | sed -n '1p;$p'
+        arm-none-eabi-size -t "$dir/libsmr.a" | sed -n '1p;$p'
     done
     echo 'The smallest program, Cortex-M7, -O2, bytes of code and constants:'
     printf '  %-12s %9s %9s %9s %9s\n' 'left out' total less libsmr.a libc
-    program m7-O2 nothing
+    program "$whole" nothing
     for one in $capabilities; do
-        library "no-$one" -O2 "$one"
-        program "no-$one" "$one"
+        library "$build/no-$one" -O2 "$one"
+        program "$build/no-$one" "$one"
     done
     # shellcheck disable=SC2086
-    library no-five -O2 $capabilities
-    program no-five 'all-five'
+    library "$rest" -O2 $capabilities
+    program "$rest" 'all-five'
 else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
 
 # shellcheck disable=SC2086
