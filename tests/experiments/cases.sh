@@ -2,8 +2,8 @@
 # cases: experiments on data as they are, a function for each group; written with the words of experiments.sh, which reads it.
 # SPDX-License-Identifier: MIT
 
-groups='thigh shown parts verdict contact track persons landmarks points scene ct volume mri fusing'
-! full || groups="$groups views carry"
+groups='thigh parts track persons volume contact landmarks scene verdict shown points mri ct fusing' # the longest first
+! full || groups="views carry $groups"
 
 thigh='--model data/hip_thigh_vhm/*.ply --reference data/thigh_patient/mri_reference.mha'
 marks() { echo "--landmarks data/thigh_patient/landmarks_reference.mrk.json ${2:-data/thigh_$1/landmarks_$1.mrk.json}"; }
