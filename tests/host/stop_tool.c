@@ -52,27 +52,19 @@ static int stop_open(const char *path, int flags, mode_t mode)
     return real(path, flags, mode);
 }
 
-int open(const char *path, int flags, ...)
-{
-    mode_t mode = 0;
-    va_list list;
-    va_start(list, flags);
-    if ((flags & O_CREAT) != 0)
-        mode = va_arg(list, mode_t);
-    va_end(list);
-    return stop_open(path, flags, mode);
-}
-
-int open64(const char *path, int flags, ...)
-{
-    mode_t mode = 0;
-    va_list list;
-    va_start(list, flags);
-    if ((flags & O_CREAT) != 0)
-        mode = va_arg(list, mode_t);
-    va_end(list);
-    return stop_open(path, flags, mode);
-}
+#define STOP_OPEN(name)                                                                                                \
+    int name(const char *path, int flags, ...)                                                                         \
+    {                                                                                                                  \
+        mode_t mode = 0;                                                                                               \
+        va_list list;                                                                                                  \
+        va_start(list, flags);                                                                                         \
+        if ((flags & O_CREAT) != 0)                                                                                    \
+            mode = va_arg(list, mode_t);                                                                               \
+        va_end(list);                                                                                                  \
+        return stop_open(path, flags, mode);                                                                           \
+    }
+STOP_OPEN(open)
+STOP_OPEN(open64)
 
 ssize_t write(int fd, const void *data, size_t n)
 {
@@ -95,25 +87,22 @@ int rename(const char *from, const char *to)
     return stop() ? -1 : real(from, to);
 }
 
-int unlink(const char *path)
-{
-    int (*real)(const char *) = NULL;
-    find(&real, "unlink");
-    return stop() ? -1 : real(path);
-}
+/* The calls whose only argument is a path. */
+#define STOP_PATH(name)                                                                                                \
+    int name(const char *path)                                                                                         \
+    {                                                                                                                  \
+        int (*real)(const char *) = NULL;                                                                              \
+        find(&real, #name);                                                                                            \
+        return stop() ? -1 : real(path);                                                                               \
+    }
+STOP_PATH(unlink)
+STOP_PATH(rmdir)
 
 int mkdir(const char *path, mode_t mode)
 {
     int (*real)(const char *, mode_t) = NULL;
     find(&real, "mkdir");
     return stop() ? -1 : real(path, mode);
-}
-
-int rmdir(const char *path)
-{
-    int (*real)(const char *) = NULL;
-    find(&real, "rmdir");
-    return stop() ? -1 : real(path);
 }
 
 __attribute__((destructor)) static void tell(void)

@@ -120,93 +120,60 @@ static void refused(const smr_config *config, const char *field)
     }
 }
 
-#define REFUSE(field, value)                                                                                           \
+/* Each of the values alone. */
+#define REFUSE_ALL(field, type, ...)                                                                                   \
     do {                                                                                                               \
-        smr_config c_ = smr_config_default();                                                                          \
-        c_.forces.use_box = 1;                                                                                         \
-        c_.field = (value);                                                                                            \
-        refused(&c_, #field " = " #value);                                                                             \
+        const type value_[] = {__VA_ARGS__};                                                                           \
+        for (size_t i_ = 0; i_ < sizeof value_ / sizeof value_[0]; i_++) {                                             \
+            smr_config c_ = smr_config_default();                                                                      \
+            c_.forces.use_box = 1;                                                                                     \
+            c_.field = value_[i_];                                                                                     \
+            refused(&c_, #field " of " #__VA_ARGS__);                                                                  \
+        }                                                                                                              \
     } while (0)
-#define REFUSE_FLOAT(field)                                                                                            \
-    do {                                                                                                               \
-        REFUSE(field, NAN);                                                                                            \
-        REFUSE(field, INFINITY);                                                                                       \
-        REFUSE(field, -INFINITY);                                                                                      \
-        REFUSE(field, -1.0f);                                                                                          \
-        REFUSE(field, -1.0e-30f);                                                                                      \
-        REFUSE(field, 1.0e30f);                                                                                        \
-    } while (0)
+#define REFUSE(field, ...) REFUSE_ALL(field, uint32_t, __VA_ARGS__)
+#define REFUSE_FLOAT(field, ...)                                                                                       \
+    REFUSE_ALL(field, float, NAN, INFINITY, -INFINITY, -1.0f, -1.0e-30f, 1.0e30f, __VA_ARGS__)
 
 TEST(test_every_field)
 {
     set_up();
-    REFUSE(cookie, 0);
-    REFUSE(cookie, smr_config_default().cookie + 1u);
-    REFUSE(cookie, smr_config_default().cookie ^ 0x10000u);
-    REFUSE(cookie, smr_prepare_config_default().cookie);
-    REFUSE(basic.n_workers, 0);
-    REFUSE(basic.n_workers, SMR_WORKERS_MAX + 1u);
-    REFUSE(basic.n_workers, UINT32_MAX);
-    REFUSE(basic.n_target_vertices, SMR_VERTICES_MAX + 1u);
-    REFUSE(basic.n_target_vertices, UINT32_MAX);
-    REFUSE_FLOAT(forces.stiffness);
-    REFUSE(forces.stiffness, 0.0f);
-    REFUSE(forces.stiffness, 1.001f);
-    REFUSE_FLOAT(basic.attraction);
-    REFUSE(basic.attraction, 1.001f);
-    REFUSE_FLOAT(basic.slide);
-    REFUSE_FLOAT(image.sideways);
-    REFUSE(image.sideways, 1.001f);
-    REFUSE(basic.slide, 1.001f);
-    REFUSE_FLOAT(basic.even);
-    REFUSE(basic.even, 1.001f);
-    REFUSE_FLOAT(basic.search_mm);
-    REFUSE(basic.search_mm, 0.0f);
-    REFUSE(basic.search_mm, SMR_COORD_MAX * 1.001f);
-    REFUSE_FLOAT(forces.search_radii);
-    REFUSE(forces.search_radii, 0.0f);
-    REFUSE(forces.search_radii, 1.1e6f);
-    REFUSE_FLOAT(forces.normal_deg);
-    REFUSE(forces.normal_deg, 0.0f);
-    REFUSE(forces.normal_deg, 180.01f);
-    REFUSE_FLOAT(forces.reject_deviations);
+    REFUSE(cookie, 0, smr_config_default().cookie + 1u, smr_config_default().cookie ^ 0x10000u,
+           smr_prepare_config_default().cookie);
+    REFUSE(basic.n_workers, 0, SMR_WORKERS_MAX + 1u, UINT32_MAX);
+    REFUSE(basic.n_target_vertices, SMR_VERTICES_MAX + 1u, UINT32_MAX);
+    REFUSE_FLOAT(forces.stiffness, 0.0f, 1.001f);
+    REFUSE_FLOAT(basic.attraction, 1.001f);
+    REFUSE_FLOAT(basic.slide, 1.001f);
+    REFUSE_FLOAT(image.sideways, 1.001f);
+    REFUSE_FLOAT(basic.even, 1.001f);
+    REFUSE_FLOAT(basic.search_mm, 0.0f, SMR_COORD_MAX * 1.001f);
+    REFUSE_FLOAT(forces.search_radii, 0.0f, 1.1e6f);
+    REFUSE_FLOAT(forces.normal_deg, 0.0f, 180.01f);
+    REFUSE_FLOAT(forces.reject_deviations, -2.0f);
     REFUSE(forces.reject_border, 2);
     REFUSE(forces.use_box, 2);
-    REFUSE(forces.node_budget, 7);
-    REFUSE(forces.node_budget, 1000001);
-    REFUSE(forces.node_budget, UINT32_MAX);
-    REFUSE(basic.method, 2);
-    REFUSE(basic.method, UINT32_MAX);
+    REFUSE(forces.node_budget, 7, 1000001, UINT32_MAX);
+    REFUSE(basic.method, 2, UINT32_MAX);
 }
 
 TEST(test_every_field_of_the_schedule)
 {
     set_up();
-    REFUSE_FLOAT(motion.relaxation);
-    REFUSE(motion.relaxation, 0.0f);
-    REFUSE(motion.relaxation, 1.001f);
-    REFUSE_FLOAT(motion.momentum);
-    REFUSE(motion.momentum, 1.0f);
-    REFUSE_FLOAT(motion.plastic_um);
-    REFUSE_FLOAT(motion.settle_um);
+    REFUSE_FLOAT(motion.relaxation, 0.0f, 1.001f);
+    REFUSE_FLOAT(motion.momentum, 1.0f);
+    REFUSE_FLOAT(motion.plastic_um, -2.0f);
+    REFUSE_FLOAT(motion.settle_um, -2.0f);
     REFUSE(motion.plastic_every, 1001);
     REFUSE(motion.fold_guard, 2);
     REFUSE(motion.normals, 2);
-    REFUSE(schedule.radius_first, 2); /* the model has radii 0 and 1 */
-    REFUSE(schedule.radius_first, SMR_ALL);
-    REFUSE(schedule.radius_last, 2);
-    REFUSE(schedule.radius_last, SMR_FINEST - 1u);
-    REFUSE(basic.iterations, 0);
-    REFUSE(basic.iterations, 100001);
-    REFUSE(basic.iterations_last, 0);
-    REFUSE(basic.iterations_last, 100001);
+    REFUSE(schedule.radius_first, 2, SMR_ALL); /* the model has radii 0 and 1 */
+    REFUSE(schedule.radius_last, 2, SMR_FINEST - 1u);
+    REFUSE(basic.iterations, 0, 100001);
+    REFUSE(basic.iterations_last, 0, 100001);
     for (uint32_t i = 0; i < 3u; i++) {
-        REFUSE(forces.box_min[i], NAN);
-        REFUSE(forces.box_max[i], NAN);
-        REFUSE(forces.box_min[i], -INFINITY);
-        REFUSE(forces.box_max[i], INFINITY);
-        REFUSE(forces.box_min[i], 1.0f); /* above the maximum, 0 */
-        REFUSE(forces.box_max[i], 1.0e6f);
+        REFUSE_ALL(forces.box_min[i], float, NAN, -INFINITY, 1.0f); /* above the maximum, 0 */
+        REFUSE_ALL(forces.box_max[i], float, NAN, INFINITY, 1.0e6f);
     }
     smr_config config = smr_config_default();
     config.schedule.radius_first = 1;

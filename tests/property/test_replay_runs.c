@@ -207,69 +207,57 @@ TEST(test_replays)
                 late > runs / 2u); /* the clock meant something */
 }
 
-/* The last surface is taken away while the iteration that ends the first radius already has its forces. Whether the
- * next radius starts with a repair is decided in that iteration, where the surface still counts. */
+/* Runs the given inputs, takes the last surface away within an iteration that already has its forces, and replays. */
+static void surface_goes_late(run *r, const smr_config *config, uint32_t ticks, smr_tick_report *report)
+{
+    static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
+    rig_jitter clock = {3, 1000000u};
+    const smr_port port = {&clock, 1, NULL, rig_jitter_read};
+    size_t bytes = 0;
+    assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r->model], config, &bytes));
+    assert_true(bytes <= sizeof memory[0]);
+    r->s = begin(r, config, &port, memory[0], bytes);
+    assert_int_equal(SMR_OK, smr_set_log(r->s, r->log, sizeof r->log));
+    if (r->model == 1u) {
+        assert_int_equal(SMR_OK, smr_set_volume(r->s, &world.volume[1]));
+        give(r, &world.volume[1]);
+    }
+    assert_int_equal(SMR_OK, smr_set_surface(r->s, 0, world.surface[0]));
+    give(r, world.surface[0]);
+    assert_int_equal(SMR_OK, smr_tick(r->s, 0, report));
+    assert_int_equal(config->schedule.radius_first, report->details.radius);
+    for (r->ticks = 1; report->details.phase == SMR_PHASE_FORCES; r->ticks++)
+        assert_int_equal(SMR_PARTIAL, smr_tick(r->s, 20000, report));
+    assert_true(report->details.radius == config->schedule.radius_first && report->iteration == 1u && !report->done);
+    assert_int_equal(SMR_OK, smr_set_surface(r->s, SMR_ALL, NULL));
+    for (uint32_t i = 0; i < ticks; i++, r->ticks++)
+        assert_int_equal(SMR_OK, smr_tick(r->s, 0, report));
+    replay(r, begin(r, config, NULL, memory[1], bytes), 0);
+}
+
+/* In the iteration that ends the first radius: whether the next one starts with a repair is decided in that iteration,
+ * where the surface still counts. */
 TEST(test_last_surface_goes_late)
 {
     set_up();
-    static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
-    rig_jitter clock = {3, 1000000u};
-    const smr_port port = {&clock, 1, NULL, rig_jitter_read};
     smr_config config = smr_config_default_image();
     smr_tick_report report = {0};
-    size_t bytes = 0;
-    memset(&r, 0, sizeof r);
     r.model = 1;
     config.basic.iterations = 1; /* twice as many at the first radius */
     config.motion.settle_um = 0.0f;
-    assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[1], &config, &bytes));
-    assert_true(bytes <= sizeof memory[0]);
-    r.s = begin(&r, &config, &port, memory[0], bytes);
-    assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
-    assert_int_equal(SMR_OK, smr_set_volume(r.s, &world.volume[1]));
-    give(&r, &world.volume[1]);
-    assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
-    give(&r, world.surface[0]);
-    assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    assert_int_equal(0, report.details.radius);
-    for (r.ticks = 1; report.details.phase == SMR_PHASE_FORCES; r.ticks++)
-        assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
-    assert_true(report.details.radius == 0u && report.iteration == 1u);
-    assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
-    for (uint32_t i = 0; i < 5u; i++, r.ticks++)
-        assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
+    surface_goes_late(&r, &config, 5, &report);
 }
 
-/* The same in an iteration of the last radius: whether evening out ends it early is decided where the surface still
- * counts. */
+/* In an iteration of the last radius: whether evening out ends it early is decided where the surface still counts. */
 TEST(test_last_surface_goes_before_the_end)
 {
     set_up();
-    static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
-    rig_jitter clock = {3, 1000000u};
-    const smr_port port = {&clock, 1, NULL, rig_jitter_read};
     smr_config config = smr_config_default();
     smr_tick_report report = {0};
-    size_t bytes = 0;
-    memset(&r, 0, sizeof r);
     config.schedule.radius_first = 2;
     config.motion.settle_um = 1.0e6f; /* whatever moves is settled */
-    assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[0], &config, &bytes));
-    assert_true(bytes <= sizeof memory[0]);
-    r.s = begin(&r, &config, &port, memory[0], bytes);
-    assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
-    assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
-    give(&r, world.surface[0]);
-    assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    for (r.ticks = 1; report.details.phase == SMR_PHASE_FORCES; r.ticks++)
-        assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
-    assert_true(report.iteration == 1u && report.done == 0u);
-    assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
-    for (uint32_t i = 0; i < 3u; i++, r.ticks++)
-        assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
+    surface_goes_late(&r, &config, 3, &report);
     assert_int_equal(1, report.done); /* the iteration after it had no target and ended the schedule */
-    replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }

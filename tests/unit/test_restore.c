@@ -151,6 +151,18 @@ static const void *give(void *ctx, const smr_log_record *record)
     return record->kind == SMR_LOG_SURFACE ? (const void *)from->surface : (const void *)&from->volume;
 }
 
+/* Runs with a log, which is of UNIT_LOG_BYTES. */
+static smr_log_state logged(smr *s, unsigned char *log, uint32_t ticks)
+{
+    smr_log_state at;
+    assert_int_equal(SMR_OK, smr_set_log(s, log, UNIT_LOG_BYTES));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    (void)rig_run(s, ticks);
+    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    return at;
+}
+
 /* The log of the interrupted run replays as a whole. */
 TEST(test_log_goes_on)
 {
@@ -160,11 +172,7 @@ TEST(test_log_goes_on)
     smr_status status;
     smr_replay replay;
     smr_replay_report report = {0};
-    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
-    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
-    (void)rig_run(s, 5);
-    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    at = logged(s, log, 5);
     assert_int_equal(SMR_OK, smr_save(s, saved, sizeof saved));
     s = unit_save_restored(&u, saved, sizeof saved, 1, &status);
     awaits(s, 1);
@@ -202,11 +210,7 @@ TEST(test_exact_budgets)
     config.basic.budget_exact = 1;
     smr *s = rig_init(u.model, &config, NULL), *again;
     assert_int_equal(SMR_E_ARENA, smr_set_log(s, log, SMR_LOG_HEADER + SMR_LOG_FULL_BYTES));
-    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
-    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
-    (void)rig_run(s, 3);
-    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    at = logged(s, log, 3);
     assert_int_equal(SMR_E_CONFIG,
                      smr_replay_start(rig_init(u.model, &u.config, NULL), log, at.bytes, give, &u, &replay));
     again = rig_init(u.model, &config, NULL);
@@ -245,11 +249,7 @@ TEST(test_resumes_from_a_log)
     smr_log_state at;
     smr_replay replay;
     smr_replay_report report = {0};
-    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
-    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
-    (void)rig_run(s, 8);
-    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    at = logged(s, log, 8);
     assert_int_equal(SMR_OK, smr_replay_start(again, log, at.bytes, give, &u, &replay));
     while (!report.ended)
         assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));

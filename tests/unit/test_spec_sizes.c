@@ -29,6 +29,20 @@ static uint32_t n_landmarks, caller_goals, caller_force; /* of the next arena's 
 static float volume, smooth;
 static uint32_t contact, n_fixed;
 
+/* A section of the document; its tables are for 64-bit hosts without room between slots. */
+static const char *begin(const char *heading)
+{
+    const char *const section = strstr(spec, heading);
+    misses = 0;
+#ifdef RED_ZONES
+    skip();
+#endif
+    if (sizeof(void *) != 8)
+        skip();
+    assert_non_null(section);
+    return section;
+}
+
 /* A number such as 2,112 or 27.4. */
 static double number(const char *at)
 {
@@ -175,13 +189,7 @@ static void agrees(const char *what, double measured, double said)
 
 TEST(arena_is_as_stated)
 {
-    const char *const section = strstr(spec, "### Arena");
-#ifdef RED_ZONES
-    skip();
-#endif
-    if (sizeof(void *) != 8) /* the table is for 64-bit hosts */
-        skip();
-    assert_non_null(section);
+    const char *const section = begin("### Arena");
     const double least = arena(N, 1, SMR_METHOD_RIGID, 0, 1);
     const double vertex = (arena(2 * N, 1, SMR_METHOD_RIGID, 0, 1) - least) / N;
     const double polar = (arena(2 * N, 1, SMR_METHOD_POLAR, 0, 1) - arena(N, 1, SMR_METHOD_POLAR, 0, 1)) / N;
@@ -204,14 +212,7 @@ TEST(arena_is_as_stated)
 /* What only a setting takes. */
 TEST(settings_are_as_stated)
 {
-    const char *const section = strstr(spec, "### Arena");
-    misses = 0;
-#ifdef RED_ZONES
-    skip();
-#endif
-    if (sizeof(void *) != 8)
-        skip();
-    assert_non_null(section);
+    const char *const section = begin("### Arena");
     const double least = arena(N, 64, SMR_METHOD_RIGID, 0, 1);
     n_landmarks = 64;
     const double marked = arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least;
@@ -251,14 +252,7 @@ TEST(settings_are_as_stated)
 
 TEST(triangles_are_as_stated)
 {
-    const char *const section = strstr(spec, "### Arena");
-    misses = 0;
-#ifdef RED_ZONES
-    skip();
-#endif
-    if (sizeof(void *) != 8)
-        skip();
-    assert_non_null(section);
+    const char *const section = begin("### Arena");
     const double few = arena_with(FEW, N, 1, SMR_METHOD_RIGID, 0, 1);
     const double many = arena_with(MANY, N, 1, SMR_METHOD_RIGID, 0, 1);
     const double few_targets = arena_with(FEW, N, 1, SMR_METHOD_RIGID, N, 1);
@@ -284,14 +278,7 @@ static double surface(uint32_t n_vertices, uint32_t n_triangles)
 
 TEST(surface_is_as_stated)
 {
-    const char *const section = strstr(spec, "### Target surface");
-    misses = 0;
-#ifdef RED_ZONES
-    skip();
-#endif
-    if (sizeof(void *) != 8)
-        skip();
-    assert_non_null(section);
+    const char *const section = begin("### Target surface");
     const double least = surface(N, N);
     agrees("a surface's vertex", (surface(2 * N, N) - least) / N, rows(section, "vertex"));
     agrees("a surface's triangle", rounded((surface(N, 64 * N) - least) / (63.0 * N), 10.0), rows(section, "triangle"));
