@@ -276,7 +276,7 @@ TEST(test_bits)
     enum { NX = 40, NY = 36 };
     static uint8_t voxels[NX * NY];
     static float words[FIXTURE_IMAGE_SCRATCH(NX, NY)];
-    const fixture_box box = {{-210.0f, -110.0f, -12.0f}, {6.0f, 6.0f, 3.0f}, {NX, NY, 1}};
+    const fixture_box box = {{-210.0f, -110.0f, -12.0f}, {6.0f, 6.0f, 3.0f}, {NX, NY, 1}, {NULL, NULL}, {0, 0}};
     fixture_pose pose;
     uint32_t hash = 0, bits;
     fixture_thigh_pose(1, &pose);
