@@ -6,7 +6,6 @@
 #define SUITE_H
 
 #include <stdlib.h>
-
 #include "property/rig.h"
 #include "unit/cmocka_first.h"
 

@@ -1,7 +1,6 @@
 /* smr_baremetal.c: one worker, a plain loop, and a clock that extends the board's 32-bit counter.
  * SPDX-License-Identifier: MIT */
 #include "smr_baremetal.h"
-
 #include "smr_clock.h"
 
 static uint64_t smr_baremetal_now(void *ctx)

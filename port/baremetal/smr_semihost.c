@@ -3,7 +3,6 @@
  * SYS_EXIT_EXTENDED.
  * SPDX-License-Identifier: MIT */
 #include "smr_semihost.h"
-
 #include <stdint.h>
 
 #define SMR_SEMIHOST_OPEN 0x01u

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
 #include "commands/commands.h"
 #include "options/options_table.h"
 

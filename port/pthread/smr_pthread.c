@@ -15,7 +15,6 @@
 #endif
 
 #include "smr_pthread.h"
-
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>

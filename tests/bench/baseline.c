@@ -2,10 +2,8 @@
  * six or twelve of them are summed. The compiler may vectorise all loops.
  * SPDX-License-Identifier: MIT */
 #include "baseline.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "../property/rig.h"
 
 #define WORDS 16u

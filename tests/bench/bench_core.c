@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
 #include "../property/rig.h"
 #include "../property/rig_data.h"
 #include "baseline.h"

@@ -5,7 +5,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
-
 #include "options/options_table.h"
 
 static const char *value_kind(const host_option *o, int command)

@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
-
 #include "options/options_table.h"
 
 #define PAGE_TEXT 128

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
-
 #include "landmarks/landmarks.h"
 #include "meshes/triangle_mesh.h"
 #include "unit/oracle.h"

@@ -1,7 +1,6 @@
 /* case_changes.c: what spoils the target or the start of a run onto a surface, or makes it another body's.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

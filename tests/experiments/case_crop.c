@@ -1,11 +1,9 @@
 /* case_crop.c: images that show the upper part of a structure: the slices of an image above a height.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "volumes/voxel_volume.h"
 
 /* Writes the slices of an image from z mm on. The axes are the patient's. */

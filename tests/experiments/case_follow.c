@@ -3,11 +3,9 @@
  * command line gives no frame both surfaces and an image.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 #include "fixture_thigh.h"
 #include "measure/surface_distances.h"

@@ -1,7 +1,6 @@
 /* case_kinds.c: the kinds of runs that verdicts are judged by, in families; fair, poor and hopeless ones.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

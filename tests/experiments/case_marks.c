@@ -2,11 +2,9 @@
  * that is displaced from its image; points under surfaces.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "fixture_thigh.h"
 #include "volumes/voxel_volume.h"
 

@@ -1,11 +1,9 @@
 /* case_measure.c: a case as a directory of files; how far a result is from its truth, and what it said of that.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_read.h"
 #include "measure/surface_distances.h"
 

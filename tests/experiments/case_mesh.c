@@ -1,13 +1,11 @@
 /* case_mesh.c: memory and files; areas, normals, cuts and subdivision of triangle meshes.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
 #include "meshes/triangle_mesh.h"
 
 void case_fail(const char *what)

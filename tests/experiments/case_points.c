@@ -2,11 +2,9 @@
  * since the command line cannot give points while it registers.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 
 void case_check(smr_status status)

@@ -1,7 +1,6 @@
 /* case_tool.c: makes cases with a known truth and other inputs of experiments, and measures results.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -7,11 +7,9 @@
  * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig.h"
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"

@@ -3,11 +3,9 @@
  * a fuzzer: as fuzz_model_open.c, with this file in its place.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "unit/unit_exercise.h"
 
 typedef struct input {

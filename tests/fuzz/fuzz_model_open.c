@@ -8,11 +8,9 @@
  * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "unit/unit_exercise.h"
 
 int fuzz_model_open(const uint8_t *data, size_t size)

@@ -4,11 +4,9 @@
  * with this file and tests/unit/unit_save.c in their places.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig.h"
 #include "unit/unit_save.h"
 

@@ -13,9 +13,7 @@
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
-
 #include <string.h>
-
 #include "fixture_bone.h"
 #include "golden.h"
 #include "golden_save.h"

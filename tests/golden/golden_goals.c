@@ -1,7 +1,6 @@
 /* golden_goals.c: golden runs onto targets that move, grow, or are the caller's own goals, and points carried along.
  * SPDX-License-Identifier: MIT */
 #include "golden.h"
-
 #include <math.h>
 #include <string.h>
 

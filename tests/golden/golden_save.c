@@ -1,7 +1,6 @@
 /* golden_save.c: interrupts a golden registration.
  * SPDX-License-Identifier: MIT */
 #include "golden_save.h"
-
 #include <string.h>
 
 static uint32_t last_word(const unsigned char *end)

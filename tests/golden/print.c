@@ -1,7 +1,6 @@
 /* print.c: text on stdout, or on a board's debugger console, without stdio there.
  * SPDX-License-Identifier: MIT */
 #include "print.h"
-
 #include <smr.h>
 
 #ifdef SMR_BAREMETAL

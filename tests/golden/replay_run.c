@@ -9,7 +9,6 @@
  * a schedule has ended, the next one starts from another pose.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
-
 #include "fixture_bone.h"
 #include "print.h"
 

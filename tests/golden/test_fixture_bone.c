@@ -1,11 +1,9 @@
 /* test_fixture_bone.c: the generated pair is closed, oriented, manifold, free of folds and repeatable.
  * SPDX-License-Identifier: MIT */
 #include "../suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "fixture_bone.h"
 
 #define TEST_CELL 4000u

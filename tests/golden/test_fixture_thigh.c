@@ -2,11 +2,9 @@
  * its inverse, landmarks on their structures, an image of the same anatomy, and the same bits every time.
  * SPDX-License-Identifier: MIT */
 #include "../suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "fixture_thigh.h"
 
 #define TEST_SEEDS 8u

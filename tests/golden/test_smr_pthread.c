@@ -1,10 +1,8 @@
 /* test_smr_pthread.c: every task runs once, no two workers share a number, creation at its limits, many short loops.
  * SPDX-License-Identifier: MIT */
 #include "../suite.h"
-
 #include <stdatomic.h>
 #include <string.h>
-
 #include "smr_pthread.h"
 
 #define TEST_TASKS 300u

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_read.h"
 #include "meshes/mesh_reader.h"
 

@@ -1,12 +1,10 @@
 /* label_shapes.c: shapes as functions, grids, maps of them, and measures of their surfaces.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "host/label_shapes.h"
 #include "labels/surface_set.h"
 #include "meshes/triangle_mesh.h"

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/log_file.h"
 
 static unsigned char file[1u << 24];

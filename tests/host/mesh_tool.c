@@ -12,7 +12,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
 #include "meshes/triangle_mesh.h"
 
 static int read_mesh(const char *path, host_mesh *mesh)

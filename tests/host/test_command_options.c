@@ -4,12 +4,10 @@
 #define _POSIX_C_SOURCE 200809L /* dup, fileno */
 
 #include "suite.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
 #include "commands/commands.h"
 #include "options/options_table.h"
 

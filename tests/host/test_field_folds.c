@@ -1,9 +1,7 @@
 /* test_field_folds.c: the cells of a grid in which a displacement field folds.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "carry/carry_volume.h"
 
 enum { SIDE = 6, VOXELS = SIDE * SIDE * SIDE, MIDDLE = 2 + SIDE * (2 + SIDE * 2) };

@@ -1,10 +1,8 @@
 /* test_gzip_write.c: what gzip_write packs, inflate unpacks; runs become small.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/gzip_write.h"
 #include "volumes/volume_reader.h"
 

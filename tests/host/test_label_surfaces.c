@@ -6,13 +6,11 @@
 #define _POSIX_C_SOURCE 200809L /* mkstemp */
 
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
 #include "host/label_shapes.h"
 #include "labels/surface_net.h"
 #include "labels/label_surfaces.h"

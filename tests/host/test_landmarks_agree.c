@@ -1,10 +1,8 @@
 /* test_landmarks_agree.c: pairs of landmarks that cannot be meant are told from those that two people have.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "files/gzip_write.h"
 #include "register/register_job.h"
 #include "unit/oracle.h"

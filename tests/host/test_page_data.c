@@ -2,12 +2,10 @@
  * an image.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "html/page_data.h"
 
 /* What a writer of JSON adds, without the bracket around it. */

@@ -4,12 +4,10 @@
 #define _POSIX_C_SOURCE 200809L /* mkdtemp */
 
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "cohort/report_head.h"
 #include "cohort/summary_cases.h"
 #include "unit/oracle.h"

@@ -2,11 +2,9 @@
  * edges and corners count once, and what is masked, or belongs to no triangle, does not count. Tolerance 1e-6 relative.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "measure/surface_distances.h"
 
 /* A square of 10 x 10 mm as two triangles, and a vertex of no triangle. */

@@ -3,11 +3,9 @@
  * thinner stays closed. Noise of any kind stays closed.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "host/label_shapes.h"
 #include "labels/label_surfaces.h"
 #include "meshes/triangle_mesh.h"

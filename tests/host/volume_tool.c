@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "landmarks/landmarks.h"
 #include "volumes/volume_reader.h"
 

@@ -1,10 +1,8 @@
 /* model_lists.c: decodes a radius of a model, and finds its clusters a second time by brute force.
  * SPDX-License-Identifier: MIT */
 #include "property/model_lists.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "unit/unit_lists.h"
 
 static void decode_chain(const smr_lists *l, rig_lists *out)

@@ -1,7 +1,6 @@
 /* rig_cloud.c: two balls beside each other and clouds of points near them.
  * SPDX-License-Identifier: MIT */
 #include "property/rig_cloud.h"
-
 #include <math.h>
 #include <string.h>
 

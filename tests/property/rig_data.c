@@ -2,12 +2,10 @@
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include "property/rig_data.h"
-
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig.h"
 
 static int read_ply(const char *path, smr_mesh *mesh)

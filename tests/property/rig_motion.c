@@ -1,7 +1,6 @@
 /* rig_motion.c: a model with mass in time.
  * SPDX-License-Identifier: MIT */
 #include "property/rig_motion.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 

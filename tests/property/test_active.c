@@ -4,10 +4,8 @@
  * repeated; positions stay finite.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "property/model_lists.h"
 #include "registration/registration.h"
 

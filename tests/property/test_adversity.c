@@ -4,7 +4,6 @@
  * repeats without a clock to the last bit.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
 

@@ -3,7 +3,6 @@
  * The controller itself is tested in test_time_budget.c.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
 
 #define ITERATIONS 12u

@@ -2,11 +2,9 @@
  * surfaces: what is left is the map's own error. And a bound point costs little.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "fixture_thigh.h"
 #include "unit/unit_mesh.h"
 

@@ -4,10 +4,8 @@
  * refused or runs.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig_parts.h"
 #include "smr_pthread.h"
 

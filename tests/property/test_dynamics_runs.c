@@ -3,10 +3,8 @@
  * forged inputs of the log are found.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "log/record/log_format.h"
 #include "options/dynamics/dynamics.h"
 

@@ -2,7 +2,6 @@
  * threads nor schedulers matter.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include "smr_pthread.h"
 
 /* About 900 vertices. */

@@ -4,11 +4,9 @@
  * moved result.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "geometry/rotation/rotation.h"
 #include "registration/registration.h"
 

@@ -2,7 +2,6 @@
  * and keeps every position finite.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,11 +2,9 @@
  * or the registration runs on and every position stays finite.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/arena.h"
 #include "base/bytes.h"
 #include "fuzz/fuzz_save.c"

@@ -3,11 +3,9 @@
  * noisy points give a better surface than one of them.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig_cloud.h"
 
 enum { RUNS = 60, STEPS = 60, PARTS = RIG_PAIR, CLOUDS = 2, CAPACITY = RIG_CLOUD_ROOM, ADDED = 200 };

@@ -1,11 +1,9 @@
 /* test_points_hostile.c: any points are refused or keep every position finite; and the nearest of a cloud.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/arena.h"
 #include "property/rig_cloud.h"
 

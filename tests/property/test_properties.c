@@ -3,12 +3,10 @@
  * SMR_TEST_SHOW=1 prints the figures.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig_data.h"
 
 #define TOLERANCE_MM 1.0e-3f

@@ -2,7 +2,6 @@
  * counted wrong, poses beyond the limits, edges shared by many triangles, and large models with small clusters.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
 
 static const float none[3] = {0, 0, 0};

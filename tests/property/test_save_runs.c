@@ -4,10 +4,8 @@
  * Clocks cut iterations before the save. SMR_TEST_SHOW=1 prints what was met.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/arena.h"
 #include "property/rig_cloud.h"
 #include "property/rig_parts.h"

@@ -4,10 +4,8 @@
  * Accuracy: of vertices to their true places, in mm, below.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "rig.h"
 
 #define FARTHER 1.25f       /* than the start, at most: a rod may turn about its axis */

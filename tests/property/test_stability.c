@@ -2,7 +2,6 @@
  * schedule: degenerate models, hostile targets, and random pairs of both with random configurations.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
 

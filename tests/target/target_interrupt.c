@@ -6,10 +6,8 @@
  * when all holds.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
-
 #include "smr_clock.h"
 #include "smr_systick.h"
-
 #include <stdatomic.h>
 
 #define TARGET_PERIOD_NS 5000000u

@@ -5,7 +5,6 @@
 #define TARGET_RIG_H
 
 #include <smr.h>
-
 #include "registration/tick/iteration_steps.h"
 #include "smr_baremetal.h"
 #include "smr_semihost.h"

@@ -2,7 +2,6 @@
  * patient.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
-
 #include "fixture_bone.h"
 #include "fixture_thigh.h"
 

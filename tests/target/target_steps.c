@@ -4,7 +4,6 @@
  * instruction takes.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
-
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 #include "geometry/box_tree/triangle.h"

@@ -1,7 +1,6 @@
 /* oracle.c: double-precision references: slow, plain, and not derived from the code under test.
  * SPDX-License-Identifier: MIT */
 #include "oracle.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,7 @@
  * Under the address sanitiser a poisoned red zone follows each slot; the zones themselves are tested here.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "base/arena.h"
 #include "unit_mesh.h"
 

@@ -2,10 +2,8 @@
  * 4e-7 relative (boxes and triangles round differently), and ties go to the smallest index in tree order.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "geometry/surface/surface.h"
 #include "unit_tree.h"
 

@@ -2,9 +2,7 @@
  * 1.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
-
 #include "registration/surface_goals/closest_point_goals.h"
 #include "unit_tree.h"
 

@@ -2,10 +2,8 @@
  * when they break their contract.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 enum { LOG = 65536 };

@@ -3,11 +3,9 @@
  * places as the bone's own vertices, in a structure of their own, too. Those of a target attract nothing.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
 #include "fixture_bone.h"
 #include "registration/registration.h"
 

@@ -2,10 +2,8 @@
  * there and back, the same bits for any order and number of workers; sizes, statuses, degenerate shapes, frames.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "carry/carry.h"
 #include "unit_mesh.h"
 

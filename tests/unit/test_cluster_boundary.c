@@ -3,10 +3,8 @@
  * either.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "property/rig_motion.h"
 #include "registration/tick/iteration_steps.h"
 #include "unit_exercise.h"

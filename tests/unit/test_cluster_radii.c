@@ -2,10 +2,8 @@
  * size to its edge length, and scale with the model. No tuned value is tested.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "property/rig_ball_image.h"
 #include "unit_mesh.h"
 

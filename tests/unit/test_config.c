@@ -1,10 +1,8 @@
 /* test_config.c: the defaults are legal, the stated limits are accepted, one step beyond them is refused.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/config/config.h"
 
 static const float none[3] = {0, 0, 0};

@@ -2,10 +2,8 @@
  * and from fixed surfaces; the same bits for any port, off and on, from a log and from a save.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "geometry/surface/mesh.h"
 #include "geometry/surface/surface.h"
 #include "registration/registration.h"

@@ -2,7 +2,6 @@
  * calls.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include "base/bytes.h"
 #include "oracle.h"
 

@@ -2,11 +2,9 @@
  * precision: mean edge 1e-5 relative; positions one unit in the last place of the coordinate; area masses 1/32.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
 #include "geometry/box_tree/hilbert_curve.h"
 #include "unit_lists.h"
 

@@ -2,11 +2,9 @@
  * about pins: test_pendulum.c; its energy: test_step_energy.c.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
 #include "property/rig_motion.h"
 #include "options/dynamics/dynamics.h"
 

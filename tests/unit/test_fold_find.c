@@ -1,10 +1,8 @@
 /* test_fold_find.c: surfaces do not fold while fold handling is on, and fold while it is off.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/tick/iteration_steps.h"
 
 #define SIDE 12u

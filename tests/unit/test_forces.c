@@ -1,10 +1,8 @@
 /* test_forces.c: external forces: the exact closest point, and every reason for having no force.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};

@@ -2,11 +2,9 @@
  * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N, log-N, save-N) for a real fuzzer to start from.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "fuzz/fuzz_log.c"
 #include "fuzz/fuzz_mesh.c"
 #include "fuzz/fuzz_model_open.c"

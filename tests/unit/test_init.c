@@ -1,10 +1,8 @@
 /* test_init.c: a registration's counts agree with model and port, and the configuration is copied.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};

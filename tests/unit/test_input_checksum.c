@@ -1,9 +1,7 @@
 /* test_input_checksum.c: any single bit of any input changes its checksum, and so do counts, order, mask and type.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "log/record/log_format.h"
 
 TEST(test_points)

@@ -2,7 +2,6 @@
  * round or mirrored do no harm.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include "registration/registration.h"
 
 static const float at_origin[3] = {0, 0, 0}, beside[3] = {2, 0, 0};

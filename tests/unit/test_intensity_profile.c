@@ -1,10 +1,8 @@
 /* test_intensity_profile.c: packing of profiles; profile match and gradient search find goals at planted places.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "image/intensity_profile.h"
 
 #define N 30u

@@ -1,10 +1,8 @@
 /* test_landmarks.c: landmarks bind to the model, draw it, and are refused where they are wrong.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 enum { N = 6, LOG = 65536 };

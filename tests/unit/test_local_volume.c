@@ -2,10 +2,8 @@
  * without triangles. Asking changes no bit of what follows.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 static const float nowhere[3] = {40, -300, 120};

@@ -2,9 +2,7 @@
  * changes nothing else.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"
 

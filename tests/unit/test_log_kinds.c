@@ -4,9 +4,7 @@
  * replays.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "log/record/log_format.h"
 #include "registration/registration.h"
 #include "unit/unit_log.h"

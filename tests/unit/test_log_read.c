@@ -2,10 +2,8 @@
  * correct checksums are refused or read within their limits; nothing outside the bytes is touched, and reading ends.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"
 

@@ -2,10 +2,8 @@
  * forces, with a target that no iteration has looked at, or where the search in an image has ended.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};

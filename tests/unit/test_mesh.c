@@ -2,10 +2,8 @@
  * each component, areas 2e-6 relative.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "geometry/surface/mesh.h"
 #include "unit_mesh.h"
 

@@ -2,11 +2,9 @@
  * checksum repaired, are refused or harmless in use.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
 #include "model/model.h"
 #include "unit_exercise.h"
 

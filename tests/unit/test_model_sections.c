@@ -2,9 +2,7 @@
  * refused, and no record is trusted.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "model/model.h"
 #include "unit_exercise.h"
 

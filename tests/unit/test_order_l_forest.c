@@ -2,9 +2,7 @@
  * bits, for random 32-bit records that wrap around.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "unit_lists.h"
 
 /* Direct sums by looking at every pair, in stored order of this image. */

@@ -1,10 +1,8 @@
 /* test_overlap.c: which targets are taken as whole, and which as partial.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 #define STEP 5.0f    /* mm, of the sheets */

@@ -4,12 +4,10 @@
  * out.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "property/rig_motion.h"
 
 static smr_mesh bone;

@@ -3,11 +3,9 @@
  * to 100 (the error grows with the square of the condition number, because A^T A is rounded).
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
 #include "geometry/rotation/rotation.h"
 #include "oracle.h"
 

@@ -3,9 +3,7 @@
  * iteration.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "registration/registration.h"
 
 /* Runs tasks in order. `meddle`: the first one of each loop is followed by calls that must be refused.

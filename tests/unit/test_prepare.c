@@ -2,10 +2,8 @@
  * the same model every time.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "unit_exercise.h"
 
 typedef struct bench {

@@ -3,9 +3,7 @@
  * radii.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "base/arena.h"
 #include "prepare/prepare_plan.h"
 #include "unit_lists.h"

@@ -2,9 +2,7 @@
  * is; other models, configurations and inputs are distinguished from a replay that differs.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"
 

@@ -2,9 +2,7 @@
  * the same structures, and with the same log. A registration also resumes from its log alone.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"
 #include "unit/unit_save.h"

@@ -1,10 +1,8 @@
 /* test_results.c: readable results: the caller's order, unit normals, figures per structure.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};

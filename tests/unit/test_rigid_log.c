@@ -3,10 +3,8 @@
  * motions stay rigid and go along when all is moved.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <float.h>
 #include <math.h>
-
 #include "geometry/rotation/rotation.h"
 #include "oracle.h"
 

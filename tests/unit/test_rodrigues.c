@@ -2,10 +2,8 @@
  * is a rotation within 1e-6 for every vector.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <float.h>
 #include <math.h>
-
 #include "geometry/rotation/rotation.h"
 #include "oracle.h"
 

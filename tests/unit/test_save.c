@@ -1,9 +1,7 @@
 /* test_save.c: what smr_save() and smr_restore() refuse and leave as it was; how large a save is.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "unit/unit_save.h"
 
 static unit_save u;

@@ -1,10 +1,8 @@
 /* test_schedule.c: from radius to radius: how many iterations run, when x^r follows x, when the schedule settles.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "property/rig_ball_image.h"
 #include "registration/registration.h"
 

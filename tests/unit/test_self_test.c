@@ -2,9 +2,7 @@
  * can set. What compilers do is in tests/check_self_test.sh.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <fenv.h>
-
 #include "smr.h"
 
 TEST(passes) { assert_int_equal(smr_self_test(), 0); }

@@ -2,11 +2,9 @@
  * and each range is what the checks accept, to the last bit at its ends.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
 #include "registration/config/config.h"
 
 /* The fields follow each other without a gap behind the cookie, in the table's order: nothing is forgotten or twice. */

@@ -4,11 +4,9 @@
  * of the table.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/bytes.h"
 #include "geometry/surface/surface.h"
 #include "smr.h"

@@ -1,10 +1,8 @@
 /* test_start.c: where a registration starts: a pose, given positions; starting over forgets everything before.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};

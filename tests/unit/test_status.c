@@ -1,9 +1,7 @@
 /* test_status.c: every status has a name of its own, and every other number the name of an unknown one.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "smr.h"
 
 TEST(names)

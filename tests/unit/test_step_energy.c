@@ -2,11 +2,9 @@
  * step, for any stiffness and step, and nothing is held for a gain that is none.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
 #include "property/rig_motion.h"
 
 static smr_mesh bone;

@@ -1,9 +1,7 @@
 /* test_sums.c: chains with 16-bit and 32-bit indexes give the sums over all members of each cluster.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "property/model_lists.h"
 #include "registration/registration.h"
 

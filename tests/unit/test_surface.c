@@ -2,10 +2,8 @@
  * search of all triangles in double precision (2e-5 mm on a mesh of 100 mm); borders of open meshes.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "geometry/surface/surface.h"
 #include "unit_mesh.h"
 

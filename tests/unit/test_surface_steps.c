@@ -2,10 +2,8 @@
  * one finds what one built of the new positions finds; what is not complete is refused, and so is a tick on it.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
 #include "unit_mesh.h"

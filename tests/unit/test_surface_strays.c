@@ -2,10 +2,8 @@
  * measures finds them.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "start/align/align.h"
 #include "geometry/surface/surface.h"
 #include "unit_mesh.h"

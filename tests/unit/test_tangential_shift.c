@@ -2,10 +2,8 @@
  * contrast along the surface the shift is zero.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "image/tangential_shift.h"
 
 #define SIDE 40u     /* voxels */

@@ -3,9 +3,7 @@
  * and how far the target is from it; a noisy cloud that moves settles.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
-
 #include "log/record/log_format.h"
 #include "unit_moving_bone.h"
 

@@ -2,10 +2,8 @@
  * structures share counts once.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 static smr_mesh ball[3];

@@ -2,10 +2,8 @@
  * too little memory.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "unit_mesh.h"
 #include "unit_warp.h"
 

@@ -2,9 +2,7 @@
  * a fixed number of nanoseconds. Ticks end in time and use it, and long iterations span several ticks.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <string.h>
-
 #include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};

@@ -3,9 +3,7 @@
  * 0).
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
-
 #include "geometry/rotation/similarity_fit.h"
 #include "oracle.h"
 

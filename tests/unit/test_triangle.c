@@ -3,9 +3,7 @@
  * weights add to 1 within 3e-7 and are never below -2e-6.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
-
 #include "geometry/box_tree/triangle.h"
 #include "oracle.h"
 

@@ -2,10 +2,8 @@
  * controls that determine little or nothing.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "oracle.h"
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "registration/goals/external_forces.h"

@@ -2,11 +2,9 @@
  * Voxels lie in heap memory of exactly their size, so that a sanitizer detects reads beside them.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "image/volume.h"
 
 #define SAMPLES 40u

@@ -2,10 +2,8 @@
  * target or without, and after a save.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "registration/registration.h"
 
 enum { LOG = 65536 };

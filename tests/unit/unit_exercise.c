@@ -1,7 +1,6 @@
 /* unit_exercise.c: uses an opened model in every way the library does.
  * SPDX-License-Identifier: MIT */
 #include "unit_exercise.h"
-
 #include <string.h>
 
 #define EXERCISE_TICKS 3

@@ -1,7 +1,6 @@
 /* unit_lists.c: cluster lists read from a model.
  * SPDX-License-Identifier: MIT */
 #include "unit_lists.h"
-
 #include <math.h>
 #include <string.h>
 

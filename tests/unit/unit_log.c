@@ -1,9 +1,7 @@
 /* unit_log.c: a small registration, its inputs and its log.
  * SPDX-License-Identifier: MIT */
 #include "unit/unit_log.h"
-
 #include <string.h>
-
 #include "property/rig.h"
 #include "log/record/log_format.h"
 

@@ -1,12 +1,10 @@
 /* unit_mesh.c: meshes and models for tests.
  * SPDX-License-Identifier: MIT */
 #include "unit_mesh.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "fixture_bone.h"
 
 static void give_up(const char *why)

@@ -4,7 +4,6 @@
 #define UNIT_MOVING_BALL_H
 
 #include "cmocka_first.h"
-
 #include "property/rig_ball_image.h"
 #include "registration/registration.h"
 

@@ -4,7 +4,6 @@
 #define UNIT_MOVING_BONE_H
 
 #include "cmocka_first.h"
-
 #include "property/rig_cloud.h"
 #include "registration/registration.h"
 

@@ -1,9 +1,7 @@
 /* unit_save.c: a small registration of two structures and its save.
  * SPDX-License-Identifier: MIT */
 #include "unit/unit_save.h"
-
 #include <string.h>
-
 #include "base/bytes.h"
 #include "property/rig.h"
 #include "log/record/log_format.h"

@@ -1,9 +1,7 @@
 /* unit_tree.c: box trees of test meshes, questions to them, and a search of all triangles.
  * SPDX-License-Identifier: MIT */
 #include "unit_tree.h"
-
 #include <string.h>
-
 #include "geometry/surface/mesh.h"
 #include "geometry/box_tree/triangle.h"
 

@@ -1,13 +1,11 @@
 /* unit_warp.c: landmark sets for tests, and the thin-plate spline in double precision.
  * SPDX-License-Identifier: MIT */
 #include "unit_warp.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "unit_mesh.h"
 
 enum { ROWS = ORACLE_SPLINE_ROWS };

@@ -4,7 +4,6 @@
  * Prints "not ok" for what is not as it should be; status 1 then. Public header only.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* byte_buffer.c: a growing array of bytes for output.
  * SPDX-License-Identifier: MIT */
 #include "base/byte_buffer.h"
-
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,6 @@
 #define BYTE_BUFFER_H
 
 #include <stddef.h>
-
 #include "base/error_line.h"
 
 typedef struct host_buffer {

@@ -1,7 +1,6 @@
 /* error_line.c: the error line: readers and option checks fill it, main prints it once.
  * SPDX-License-Identifier: MIT */
 #include "base/error_line.h"
-
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -5,7 +5,6 @@
 #define _GNU_SOURCE /* sched_getaffinity */
 
 #include "base/system.h"
-
 #include <sched.h>
 #include <stdlib.h>
 #include <string.h>

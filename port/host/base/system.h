@@ -5,7 +5,6 @@
 
 #include <signal.h>
 #include <stddef.h>
-
 #include "base/error_line.h"
 #include "smr_pthread.h"
 

@@ -1,7 +1,6 @@
 /* text_scan.c: reads text word by word; types of numbers in files.
  * SPDX-License-Identifier: MIT */
 #include "base/text_scan.h"
-
 #include <stdlib.h>
 #include <string.h>
 

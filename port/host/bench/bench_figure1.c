@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "bench/bench_job.h"
 
 enum { RADII = 4, POINTS = 16, METHODS = 2, KINDS = 2 };

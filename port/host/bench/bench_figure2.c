@@ -8,7 +8,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
-
 #include "bench/bench_job.h"
 
 #define HOST_SHARES 21u /* most shares: 0, 5, ... 95 % ignored, and the largest possible share */

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
-
 #include "bench/bench_job.h"
 
 enum { BUDGETS = 6, BINS = 12, KINDS = 2 };

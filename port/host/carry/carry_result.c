@@ -1,11 +1,9 @@
 /* carry_result.c: carry.bin, and a result that carries points by it.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry_result.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "files/file_read.h"
 #include "files/gzip_write.h"

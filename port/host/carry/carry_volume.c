@@ -1,7 +1,6 @@
 /* carry_volume.c: what a result carries on a grid: volumes, and displacement fields.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry_volume.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include "cohort/report_head.h"
 #include "report/json_write.h"
 

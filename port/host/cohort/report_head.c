@@ -3,12 +3,10 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "cohort/report_head.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
 #include "files/file_names.h"
 
 /* 1 when the name stays in its directory: no empty part, and none that starts with a dot. */

@@ -1,13 +1,11 @@
 /* summary_cases.c: the results that a summary is of, as a table and as the data of a page.
  * SPDX-License-Identifier: MIT */
 #include "cohort/summary_cases.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "html/page_data.h"
 

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
-
 #include "bench/bench_job.h"
 #include "commands/commands.h"
 

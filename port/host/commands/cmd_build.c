@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 #include "commands/commands.h"
 #include "files/file_names.h"

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
 #include "carry/carry_volume.h"
 #include "commands/commands.h"
 #include "files/output_files.h"

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
 #include "base/system.h"
 #include "commands/commands.h"
 #include "files/file_names.h"

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "commands/commands.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_set.h"

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "commands/commands.h"
 #include "labels/label_overlap.h"
 #include "options/options_table.h"

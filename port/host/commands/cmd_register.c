@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
-
 #include "cohort/report_head.h"
 #include "commands/commands.h"
 #include "html/page_data.h"

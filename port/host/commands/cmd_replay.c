@@ -3,7 +3,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-
 #include "commands/commands.h"
 #include "files/log_file.h"
 #include "register/register_job.h"

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
-
 #include "cohort/summary_cases.h"
 #include "commands/commands.h"
 #include "files/output_files.h"

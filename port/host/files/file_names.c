@@ -4,7 +4,6 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "files/file_names.h"
-
 #include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>

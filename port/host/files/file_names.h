@@ -4,7 +4,6 @@
 #define FILE_NAMES_H
 
 #include <stddef.h>
-
 #include "base/error_line.h"
 
 /* Copies the file's name without directories, ".gz" and extension into name[bytes], with a NUL. A longer name is

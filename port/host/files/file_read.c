@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "files/file_read.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -14,7 +13,6 @@
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include "files/gzip_write.h"
 #include "base/system.h"
 #include "files/file_names.h"

@@ -4,7 +4,6 @@
 #define FILE_READ_H
 
 #include <stddef.h>
-
 #include "base/error_line.h"
 
 /* Largest file read, bytes. The largest legal mesh as binary PLY fits. */

@@ -2,7 +2,6 @@
  * that started with the same four bytes.
  * SPDX-License-Identifier: MIT */
 #include "files/gzip_write.h"
-
 #include <stdlib.h>
 
 void host_crc32_start(host_crc32 *crc)

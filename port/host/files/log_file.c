@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "files/log_file.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -11,7 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include "files/file_read.h"
 
 #define MAGIC "smr-run 1 "

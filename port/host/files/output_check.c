@@ -7,7 +7,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include "files/file_names.h"
 #include "files/output_files.h"
 

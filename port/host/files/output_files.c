@@ -4,7 +4,6 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "files/output_files.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -13,7 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include "files/gzip_write.h"
 #include "base/system.h"
 #include "files/file_names.h"

@@ -1,7 +1,6 @@
 /* page_data.c: base64 (RFC 4648), numbers as 16 bits, and the page around the data.
  * SPDX-License-Identifier: MIT */
 #include "html/page_data.h"
-
 #include <float.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* page_thin.c: thins surfaces, and cuts out and averages an image, for a page of bounded size.
  * SPDX-License-Identifier: MIT */
 #include "html/page_data.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

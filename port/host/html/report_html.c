@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-
 #include "html/page_data.h"
 
 #define MODEL_BYTES 18u       /* of a vertex: two places, three values */

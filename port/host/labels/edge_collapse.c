@@ -1,7 +1,6 @@
 /* edge_collapse.c: quadrics, the place that keeps the volume, and what a collapse must not do.
  * SPDX-License-Identifier: MIT */
 #include "labels/edge_collapse.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

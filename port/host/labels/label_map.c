@@ -1,12 +1,10 @@
 /* label_map.c: reads and writes label maps.
  * SPDX-License-Identifier: MIT */
 #include "labels/label_map.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 #include "files/file_names.h"
 #include "files/gzip_write.h"

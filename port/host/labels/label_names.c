@@ -2,11 +2,9 @@
  * from 0 without a gap, Layer is missing where each segment has a layer of its own.
  * SPDX-License-Identifier: MIT */
 #include "labels/label_map.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_read.h"
 
 #define SNAP_NUMBERS 6u

@@ -1,13 +1,11 @@
 /* label_overlap.c: how label maps, or a label map and surfaces, overlap.
  * SPDX-License-Identifier: MIT */
 #include "labels/label_overlap.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
 #include "files/file_names.h"
 
 int host_same_grid(const host_volume *a, const host_volume *b)

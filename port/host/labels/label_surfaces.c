@@ -1,11 +1,9 @@
 /* label_surfaces.c: makes the surfaces of a label map, a task for each label.
  * SPDX-License-Identifier: MIT */
 #include "labels/label_surfaces.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 #include "labels/surface_net.h"
 #include "measure/surface_distances.h"

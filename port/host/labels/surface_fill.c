@@ -5,7 +5,6 @@
  * direction, e infinitely small, so two triangles at one side never both count, or neither.
  * SPDX-License-Identifier: MIT */
 #include "labels/surface_set.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

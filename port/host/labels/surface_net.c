@@ -3,10 +3,8 @@
  * Source: S. F. F. Gibson, "Constrained elastic surface nets", 1998; for several vertices in a cell, see cell_loops.c.
  * SPDX-License-Identifier: MIT */
 #include "labels/surface_net.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "smr.h"
 
 void host_cell_edge(unsigned edge, unsigned corner[2])

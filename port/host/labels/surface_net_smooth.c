@@ -3,7 +3,6 @@
  * Source: G. Taubin, "A signal processing approach to fair surface design", 1995.
  * SPDX-License-Identifier: MIT */
 #include "labels/surface_net.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,12 +2,10 @@
  * the one in which it lies deepest: whose surface is farthest away. Of two as deep, the first one has it.
  * SPDX-License-Identifier: MIT */
 #include "labels/surface_set.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
 #include "files/file_names.h"
 #include "measure/surface_distances.h"
 

@@ -1,9 +1,7 @@
 /* surface_thin.c: a heap of edges, the cheapest first. What was pushed before its vertices changed is stale: skipped.
  * SPDX-License-Identifier: MIT */
 #include "labels/label_surfaces.h"
-
 #include <stdlib.h>
-
 #include "labels/edge_collapse.h"
 
 typedef struct candidate {

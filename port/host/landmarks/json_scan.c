@@ -1,7 +1,6 @@
 /* json_scan.c: a strict JSON scanner (RFC 8259): calls back for members and elements and stores nothing.
  * SPDX-License-Identifier: MIT */
 #include "landmarks/json_scan.h"
-
 #include <string.h>
 
 #define DEPTH_MAX 32  /* deepest nesting of lists and objects */

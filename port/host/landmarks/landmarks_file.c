@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "landmarks/landmarks.h"
 

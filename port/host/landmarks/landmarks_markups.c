@@ -1,7 +1,6 @@
 /* landmarks_markups.c: reads 3D Slicer markups (.mrk.json): the control points of every markup in the file.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
-
 #include "landmarks/json_scan.h"
 #include "landmarks/landmarks.h"
 

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "landmarks/landmarks.h"
 

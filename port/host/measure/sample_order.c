@@ -1,7 +1,6 @@
 /* sample_order.c: sorts by keys, digit by digit; the order of positions along a Z-order curve (Morton 1966).
  * SPDX-License-Identifier: MIT */
 #include "measure/sample_order.h"
-
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,11 +1,9 @@
 /* surface_distances.c: distances between surfaces, over area and over vertices; folds; targets of points.
  * SPDX-License-Identifier: MIT */
 #include "measure/surface_distances.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 #include "measure/sample_order.h"
 

@@ -1,7 +1,6 @@
 /* mesh_ply.c: reads PLY: ASCII and both binary byte orders, any order and type of properties; skips other elements.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
-
 #include "meshes/mesh_reader.h"
 
 #define HOST_PLY_ELEMENTS_MAX 16u

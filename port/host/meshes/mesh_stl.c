@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
-
 #include "meshes/mesh_reader.h"
 
 #define HEADER_BYTES 84u

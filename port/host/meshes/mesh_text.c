@@ -1,7 +1,6 @@
 /* mesh_text.c: reads OBJ, and points from CSV.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
-
 #include "meshes/mesh_reader.h"
 
 #define COLUMNS 6

@@ -1,7 +1,6 @@
 /* mesh_vtk.c: reads legacy VTK polydata ("VTK file formats", versions 1 to 5.1): geometry only, skips data arrays.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
-
 #include "meshes/mesh_reader.h"
 
 /* The type with this name ("float", "vtktypeint64", ...); HOST_TYPE_NONE when unknown. */

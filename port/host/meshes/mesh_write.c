@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
 

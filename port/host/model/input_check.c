@@ -1,7 +1,6 @@
 /* input_check.c: looks at the orientation, size and place of inputs.
  * SPDX-License-Identifier: MIT */
 #include "model/model_from_files.h"
-
 #include <math.h>
 #include <stdlib.h>
 

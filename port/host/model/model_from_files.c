@@ -4,12 +4,10 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "model/model_from_files.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
 #include "base/system.h"
 #include "files/file_names.h"
 #include "files/file_read.h"

@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 #include <string.h>
-
 #include "options/options_table.h"
 
 #define TEXT_COLUMN 30 /* behind which sentences start */

@@ -5,7 +5,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
-
 #include "base/byte_buffer.h"
 #include "options/options_table.h"
 

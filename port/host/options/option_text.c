@@ -1,7 +1,6 @@
 /* option_text.c: what is said of each option: value, sentence, default.
  * SPDX-License-Identifier: MIT */
 #include "options/options_table.h"
-
 #include <stdio.h>
 #include <string.h>
 

@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
 #include "options/options_table.h"

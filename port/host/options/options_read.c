@@ -4,7 +4,6 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "options/options_table.h"
 
 #define OF(field) offsetof(host_options, field)

@@ -1,7 +1,6 @@
 /* options_table.c: the table of options.
  * SPDX-License-Identifier: MIT */
 #include "options/options_table.h"
-
 #include <string.h>
 
 #define FIELD(name) offsetof(host_options, name)

@@ -1,10 +1,8 @@
 /* thigh_phantom.c: computes the thigh phantom: meshes and images of the model and of a patient, and landmarks.
  * SPDX-License-Identifier: MIT */
 #include "phantom/thigh_phantom.h"
-
 #include <stdlib.h>
 #include <string.h>
-
 #include "base/system.h"
 
 #define SMALL_MESH 1.6f /* factor of the edge lengths of a small phantom */

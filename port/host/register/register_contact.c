@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "register/register_job.h"
 

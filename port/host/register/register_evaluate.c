@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "register/register_job.h"
 
 /* A target, and the surface of all structures that are registered to it. */

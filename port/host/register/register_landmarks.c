@@ -1,7 +1,6 @@
 /* register_landmarks.c: landmarks as goals, and whether landmarks agree with each other.
  * SPDX-License-Identifier: MIT */
 #include "register/register_job.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "carry/carry_result.h"
 #include "files/log_file.h"
 #include "register/register_job.h"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
 #include "register/register_job.h"
 
 static uint32_t part_of(const host_job *job, const char *word, size_t n)

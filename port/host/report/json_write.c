@@ -1,7 +1,6 @@
 /* json_write.c: writes JSON: two spaces per level, one item per line; or all on one line.
  * SPDX-License-Identifier: MIT */
 #include "report/json_write.h"
-
 #include <inttypes.h>
 #include <math.h>
 

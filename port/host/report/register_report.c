@@ -1,7 +1,6 @@
 /* register_report.c: writes report.json.
  * SPDX-License-Identifier: MIT */
 #include "report/register_report.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

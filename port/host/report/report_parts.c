@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
 #include "report/register_report.h"
 
 void host_report_command(const host_options *options, host_json *json)

@@ -2,9 +2,7 @@
  * SPACE says, else what coordinateSystem says; nothing is RAS by default in this version's scenes.
  * SPDX-License-Identifier: MIT */
 #include "scene/mrml_scene.h"
-
 #include <stdlib.h>
-
 #include "carry/carry_volume.h"
 #include "files/file_names.h"
 

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "scene/mrml_scene.h"
 

@@ -5,7 +5,6 @@
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
-
 #include "volumes/volume_reader.h"
 
 #define CODE_BITS 15 /* bits of the longest Huffman code */

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #include "files/file_names.h"
 #include "volumes/volume_reader.h"
 

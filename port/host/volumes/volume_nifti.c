@@ -6,26 +6,9 @@
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
-
 #include "volumes/volume_reader.h"
 
-enum {
-    AT_DIM = 40,
-    AT_TYPE = 70,
-    AT_BITS = 72,
-    AT_PIXDIM = 76,
-    AT_VOXELS = 108,
-    AT_SLOPE = 112,
-    AT_INTER = 116,
-    AT_UNITS = 123,
-    AT_QFORM = 252,
-    AT_SFORM = 254,
-    AT_QUATERNION = 256,
-    AT_QOFFSET = 268,
-    AT_SROW = 280,
-    AT_MAGIC = 344,
-    HEADER_BYTES = 348
-};
+enum { HEADER_BYTES = 348 };
 
 typedef struct nifti_header {
     const unsigned char *data;

@@ -1,7 +1,6 @@
 /* volume_nrrd.c: reads NRRD, attached (.nrrd) or detached (.nhdr): "field: value" lines; an empty line ends the header.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
-
 #include "volumes/volume_reader.h"
 
 enum { SPACE_NONE = 0, SPACE_LPS, SPACE_RAS, SPACE_LAS };

@@ -6,6 +6,24 @@
 #include "files/file_read.h"
 #include "volumes/voxel_volume.h"
 
+/* Offsets in a NIfTI-1's header. */
+enum {
+    AT_DIM = 40,
+    AT_TYPE = 70,
+    AT_BITS = 72,
+    AT_PIXDIM = 76,
+    AT_VOXELS = 108,
+    AT_SLOPE = 112,
+    AT_INTER = 116,
+    AT_UNITS = 123,
+    AT_QFORM = 252,
+    AT_SFORM = 254,
+    AT_QUATERNION = 256,
+    AT_QOFFSET = 268,
+    AT_SROW = 280,
+    AT_MAGIC = 344
+};
+
 enum { HOST_LAYERS_MAX = 1024 };
 enum { HOST_ENCODING_RAW = 0, HOST_ENCODING_TEXT, HOST_ENCODING_DEFLATE };
 

@@ -2,11 +2,10 @@
  * Slicer's documents: vectors in LPS, vector first, intent 1006.
  * SPDX-License-Identifier: MIT */
 #include "volumes/voxel_volume.h"
-
 #include <math.h>
 #include <string.h>
-
 #include "files/file_names.h"
+#include "volumes/volume_reader.h"
 
 #define VOXELS_MAX 200e6 /* of a computed grid */
 #define SIDE_MAX 65536.0
@@ -126,19 +125,7 @@ int host_volume_around(const float low[3], const float high[3], float edge, cons
     return voxels <= VOXELS_MAX ? 0 : -1;
 }
 
-enum {
-    AT_DIM = 40,
-    AT_TYPE = 70,
-    AT_BITS = 72,
-    AT_PIXDIM = 76,
-    AT_VOXELS = 108,
-    AT_SLOPE = 112,
-    AT_UNITS = 123,
-    AT_SFORM = 254,
-    AT_SROW = 280,
-    AT_MAGIC = 344,
-    HEADER_BYTES = 352
-};
+enum { HEADER_BYTES = 352 };
 
 static void put_short(unsigned char *header, int at, uint32_t value)
 {

@@ -18,24 +18,15 @@ void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
 {
     from = smr_sub(from, f->origin_from);
     to = smr_sub(to, f->origin_to);
-    const smr_vec a = smr_scale(to, w), b = from;
-    const float term[SMR_FIT_SUMS] = {w * b.x,
-                                      w * b.y,
-                                      w * b.z,
-                                      a.x,
-                                      a.y,
-                                      a.z,
-                                      a.x * b.x,
-                                      a.x * b.y,
-                                      a.x * b.z,
-                                      a.y * b.x,
-                                      a.y * b.y,
-                                      a.y * b.z,
-                                      a.z * b.x,
-                                      a.z * b.y,
-                                      a.z * b.z,
-                                      w * smr_dot(from, from),
-                                      w * smr_dot(to, to)};
+    const smr_vec a = smr_scale(to, w);
+    float term[SMR_FIT_SUMS];
+    smr_store(term + SMR_FIT_FROM, smr_scale(from, w));
+    smr_store(term + SMR_FIT_TO, a);
+    smr_store(term + SMR_FIT_CROSS, smr_scale(from, a.x));
+    smr_store(term + SMR_FIT_CROSS + 3, smr_scale(from, a.y));
+    smr_store(term + SMR_FIT_CROSS + 6, smr_scale(from, a.z));
+    term[SMR_FIT_FROM2] = w * smr_dot(from, from);
+    term[SMR_FIT_TO2] = w * smr_dot(to, to);
     f->weight += w;
     for (uint32_t i = 0; i < SMR_FIT_SUMS; i++) {
         const float before = f->sum[i], sum = before + term[i], added = sum - before;
