@@ -130,34 +130,20 @@ class _Struct(C.Structure):
         return f"{type(self).__name__}({', '.join(shown)})"
 
 
-class _Mesh(_Struct):
-    _fields_ = [("xyz", _P), ("triangles", _P), ("n_vertices", _U), ("n_triangles", _U)]
+def _struct(name: str, *fields: Tuple[str, Any]) -> Any:
+    return type(name, (_Struct,), {"_fields_": list(fields)})
 
 
-class _Structure(_Struct):
-    _fields_ = [("name", C.c_char_p), ("mesh", _Mesh)]
-
-
-class _Volume(_Struct):
-    _fields_ = [("voxels", _P), ("mask", _P), ("type", _U), ("size", _U * 3), ("origin", _F * 3), ("spacing", _F * 3),
-                ("direction", _F * 9)]
-
-
-class _Pose(_Struct):
-    _fields_ = [("m", _F * 12)]
-
-
-class _Port(_Struct):
-    _fields_ = [("ctx", _P), ("n_workers", _U), ("parallel", _P), ("now_ns", _P)]
-
-
-class _Closest(_Struct):
-    _fields_ = [("point", _F * 3), ("normal", _F * 3), ("distance", _F), ("triangle", _U), ("weight", _F * 3),
-                ("on_border", _U)]
-
-
-class _AlignConfig(_Struct):
-    _fields_ = [("cookie", _U), ("scaled", _U), ("iterations", _U), ("samples", _U), ("given", _P)]
+_Mesh = _struct("_Mesh", ("xyz", _P), ("triangles", _P), ("n_vertices", _U), ("n_triangles", _U))
+_Structure = _struct("_Structure", ("name", C.c_char_p), ("mesh", _Mesh))
+_Volume = _struct("_Volume", ("voxels", _P), ("mask", _P), ("type", _U), ("size", _U * 3), ("origin", _F * 3),
+                  ("spacing", _F * 3), ("direction", _F * 9))
+_Pose = _struct("_Pose", ("m", _F * 12))
+_Port = _struct("_Port", ("ctx", _P), ("n_workers", _U), ("parallel", _P), ("now_ns", _P))
+_Closest = _struct("_Closest", ("point", _F * 3), ("normal", _F * 3), ("distance", _F), ("triangle", _U),
+                   ("weight", _F * 3), ("on_border", _U))
+_AlignConfig = _struct("_AlignConfig", ("cookie", _U), ("scaled", _U), ("iterations", _U), ("samples", _U),
+                       ("given", _P))
 
 
 class AlignReport(_Struct):
@@ -177,12 +163,9 @@ class ModelInfo(_Struct):
                 ("checksum", _U), ("bytes", _Z)]
 
 
-class _StructureInfo(_Struct):
-    _fields_ = [("name", C.c_char * 64), ("n_vertices", _U), ("n_triangles", _U)]
-
-
-class _Landmark(_Struct):
-    _fields_ = [("structure", _U), ("vertex", _U), ("rest", _F * 3), ("place", _F * 3), ("weight", _F), ("hard", _U)]
+_StructureInfo = _struct("_StructureInfo", ("name", C.c_char * 64), ("n_vertices", _U), ("n_triangles", _U))
+_Landmark = _struct("_Landmark", ("structure", _U), ("vertex", _U), ("rest", _F * 3), ("place", _F * 3), ("weight", _F),
+                    ("hard", _U))
 
 
 class TickDetails(_Struct):
@@ -237,14 +220,10 @@ class Verdict(_Struct):
         return [_lib.smr_reason_text(1 << i).decode() for i in range(32) if self.reasons >> i & 1]
 
 
-class _Fact(_Struct):
-    _fields_ = [("miss_mm", _F), ("volume", _F)]
-
-
-class _Setting(_Struct):
-    _fields_ = [("name", C.c_char_p), ("unit", C.c_char_p), ("text", C.c_char_p), ("kind", _U), ("number", _U),
-                ("offset", _U), ("bytes", _U), ("open", _U), ("or_zero", _U), ("low", C.c_double), ("high", C.c_double),
-                ("value", C.c_double), ("image", C.c_double)]
+_Fact = _struct("_Fact", ("miss_mm", _F), ("volume", _F))
+_Setting = _struct("_Setting", ("name", C.c_char_p), ("unit", C.c_char_p), ("text", C.c_char_p), ("kind", _U),
+                   ("number", _U), ("offset", _U), ("bytes", _U), ("open", _U), ("or_zero", _U), ("low", C.c_double),
+                   ("high", C.c_double), ("value", C.c_double), ("image", C.c_double))
 
 
 # The C names of the structs above whose fields stand here; those of settings come from the library itself.
@@ -365,7 +344,7 @@ def _config_class(name: str, table: Dict[str, Setting]) -> Any:
     for s in table.values():
         kind = {"number": _F, "pointer": _P}.get(s.kind, _U)
         fields.append((s.name, kind * s.length if s.length > 1 else kind))
-    made = type(name, (_Struct,), {"_fields_": fields})
+    made = _struct(name, *fields)
     for s in table.values():
         if getattr(made, s.name).offset != s.offset:
             raise ImportError(f"smr.py: {name}.{s.name} is at {s.offset} in the library, expected elsewhere")
