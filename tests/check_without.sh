@@ -36,8 +36,8 @@ env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation || { n
 all_five=$build/without/$(echo "$capabilities" | tr ' ' -)
 for words in $capabilities "$capabilities"; do
     if [ "$words" = "$capabilities" ]; then
-        make_without "$(basename "$all_five")" "$words" "$all_five/libsmr.a" "$all_five/golden" >"$tmp/make" 2>&1
         library=$all_five/libsmr.a golden=$all_five/golden
+        make_without "$(basename "$all_five")" "$words" "$library" "$golden" >"$tmp/make" 2>&1
     else
         library=$tmp/part.o golden=$tmp/golden_run
         # shellcheck disable=SC2046
