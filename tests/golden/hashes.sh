@@ -5,7 +5,8 @@
 # What other checks compile is not compiled again: the plain build itself, BUILD/clang of a check with clang, BUILD/layers of
 # check_layers.sh, and BUILD/hashes, which check_replay.sh and check_traps.sh share.
 # Ends with 1 when a configuration gives another hash or does not build. Configurations are built and run side by side, one per
-# processor or SMR_JOBS. SMR_NO_BOARDS=1: without the boards, for `make check` compares them with the same run.
+# processor or SMR_JOBS. SMR_NO_BOARDS=1: without the boards, and SMR_AGAIN=1: without
+# threads and schedulers, for `make check` compares them with the same run.
 set -u
 make=${MAKE:-make}
 own=${BUILD:-build}
@@ -39,6 +40,7 @@ plain_loop() {
 
 schedulers() {
     [ -x "$host/golden" ] || return
+    [ "${SMR_AGAIN:-0}" = 0 ] || { row 'threads and schedulers' 'skipped (check_golden.sh runs them, SMR_AGAIN=1)'; return; }
     for n in 1 2 3 4 8; do row "$n threads" "$("$host/golden" threads $n)"; done
     row 'reverse order' "$("$host/golden" reverse)"
     row 'shuffled order, 8 workers' "$("$host/golden" shuffle)"
