@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "case.h"
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define PART(low, high) .part = CASE_PATCHES, .patches = 1, .share = {low, high}

@@ -1,7 +1,6 @@
 /* case_make.c: a case from its options: deformation, resampling, visible part, noise and outliers, start.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "case.h"
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include "fixture_thigh.h"
 #include "volumes/voxel_volume.h"
 

@@ -2,7 +2,6 @@
  * since the command line cannot give points while it registers.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/system.h"

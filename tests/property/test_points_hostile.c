@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
 #include "property/rig_cloud.h"

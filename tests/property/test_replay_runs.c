@@ -3,7 +3,6 @@
  * are set between partial ticks. Searches may open so few tree nodes that the place they start from matters.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "property/rig_parts.h"

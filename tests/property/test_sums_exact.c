@@ -2,7 +2,6 @@
  * are the same numbers at every vertex, however long the run. Clusters are found again by comparing all pairs.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <stdio.h>
 #include <math.h>
 #include <string.h>
 #include "property/model_lists.h"

@@ -2,7 +2,6 @@
  * edges, shared and separate, with and without mesh neighbours, for meshes and for points with exact ties.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <string.h>
 #include "unit_lists.h"
 
 /* Compares every radius of the image with brute force. */

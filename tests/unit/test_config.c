@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
-#include <string.h>
 #include "registration/config/config.h"
 
 static const float none[3] = {0, 0, 0};

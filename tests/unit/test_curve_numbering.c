@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "geometry/box_tree/hilbert_curve.h"
 #include "unit_lists.h"

@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "property/rig_motion.h"
 #include "options/dynamics/dynamics.h"

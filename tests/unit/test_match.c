@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
-#include <string.h>
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};

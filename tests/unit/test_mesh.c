@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
-#include <string.h>
 #include "geometry/surface/mesh.h"
 #include "unit_mesh.h"
 

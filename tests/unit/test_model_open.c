@@ -2,8 +2,6 @@
  * checksum repaired, are refused or harmless in use.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "model/model.h"
 #include "unit_exercise.h"

@@ -1,7 +1,6 @@
 /* test_overlap.c: which targets are taken as whole, and which as partial.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <math.h>
 #include <string.h>
 #include "registration/registration.h"
 

@@ -1,7 +1,6 @@
 /* test_paper_config.c: settings with which the paper does otherwise, on and off, and the paper's configurations.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <float.h>
 #include <math.h>
 #include <string.h>
 #include "geometry/rotation/rotation.h"

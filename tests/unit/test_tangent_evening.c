@@ -2,7 +2,6 @@
  * evening is not allowed.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <math.h>
 #include <string.h>
 #include "registration/registration.h"
 

@@ -2,7 +2,6 @@
  * maps, repeat bit for bit, and agree with a spline in double precision.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
-#include <float.h>
 #include <math.h>
 #include <string.h>
 #include "geometry/linear_solve/thin_plate_solve.h"
