@@ -195,9 +195,9 @@ TEST(arena_is_as_stated)
     const double structure = (arena(N, 128, SMR_METHOD_RIGID, 0, 1) - many) / 64.0;
     const double worker = (arena(N, 1, SMR_METHOD_RIGID, 64, 2) - arena(N, 1, SMR_METHOD_RIGID, 64, 1)) / N;
     const double tally = rows(section, "32 vertices, a tally") / 32.0;
-    agrees("a vertex, rigid", vertex - tally, stated(section, "So a vertex costs"));
+    agrees("a vertex, rigid", vertex - tally, stated(section, "In all a vertex takes"));
     agrees("a vertex, the table's rows", vertex - tally, rows(section, "vertex"));
-    agrees("a vertex, polar", polar - tally, stated(section, "bytes (rigid) or"));
+    agrees("a vertex, polar", polar - tally, stated(section, "of the arena (rigid) or"));
     agrees("a vertex more with polar, the table's row", polar - vertex, rows(section, "vertex, polar"));
     agrees("a structure", structure, rows(section, "structure"));
     agrees("a worker and vertex", worker, rows(section, "vertex and worker"));
@@ -262,7 +262,7 @@ TEST(triangles_are_as_stated)
     agrees("a triangle's tree, with targets", rounded(with_targets - triangle, 10.0),
            rows(section, "triangle, targets"));
     agrees("two triangles, with targets", rounded(2.0 * (with_targets - big_endian), 1.0),
-           stated(section, "two triangles to a vertex make"));
+           stated(section, "two triangles add"));
     agrees("a target vertex", (more_targets - many_targets) / N, rows(section, "target vertex"));
     assert_int_equal(misses, 0);
 }
