@@ -14,14 +14,14 @@ typedef struct smr_lanes3 {
     smr_lanes x, y, z;
 } smr_lanes3;
 
-/* Return a value in all lanes. */
+/* Return four lanes that all hold the value a. */
 static inline smr_lanes smr_lanes_of(float a) { return (smr_lanes){a, a, a, a}; }
 static inline smr_lanes3 smr_lanes3_of(smr_vec a)
 {
     return (smr_lanes3){smr_lanes_of(a.x), smr_lanes_of(a.y), smr_lanes_of(a.z)};
 }
 
-/* Read and set lane l. */
+/* Return, and set, the vector in lane l of four vectors. */
 static inline smr_vec smr_lane(const smr_lanes3 *a, uint32_t l) { return smr_v(a->x[l], a->y[l], a->z[l]); }
 static inline void smr_lane_set(smr_lanes3 *a, uint32_t l, smr_vec v)
 {

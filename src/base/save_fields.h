@@ -36,7 +36,7 @@ typedef struct smr_keeper {
     uint32_t plan;             /* checksum of the counts, kinds and ranges of the values listed so far */
     unsigned char *to;         /* [bytes] memory that a save writes */
     const unsigned char *from; /* [bytes] memory that a check or restore reads */
-    size_t at, bytes;          /* number of bytes processed so far; number of all bytes of to or from */
+    size_t at, bytes;          /* number of bytes processed so far; size of `to` or `from`, bytes */
 } smr_keeper;
 
 /* Returns 1 while the arena counts, saves, checks or restores values instead of placing slots. */

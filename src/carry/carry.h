@@ -29,13 +29,13 @@ typedef struct smr_carry_thin {
 
 /* The vertices near a point, the nearest one first, and the equations of their coefficients. Scratch of one worker. */
 typedef struct smr_carry_site {
-    uint32_t n;                                   /* number of vertices near the point */
-    uint32_t id[SMR_CARRY_NEAR];                  /* number of each vertex in the order of the Hilbert curve */
-    float x[3][SMR_CARRY_NEAR];                   /* x, y and z of the rest positions, mm from smr_carry.centre */
-    float noise_variance[SMR_CARRY_NEAR];         /* noise variance of each vertex' residual; 0: the nearest vertex */
-    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) of the distance to the nearest vertex */
-    float part[SMR_CARRY_NEAR];                   /* correlation with the nearest vertex, 1 - far / (1 + rough) */
-    float inverse[SMR_CARRY_NEAR];                /* 1 / pivot of each vertex; 0: the vertex gets no weight */
+    uint32_t n;                           /* number of vertices near the point */
+    uint32_t id[SMR_CARRY_NEAR];          /* number of each vertex in the order of the Hilbert curve */
+    float x[3][SMR_CARRY_NEAR];           /* x, y and z of the rest positions, mm from smr_carry.centre */
+    float noise_variance[SMR_CARRY_NEAR]; /* noise variance of each vertex' residual; 0: the nearest vertex */
+    float far[SMR_CARRY_NEAR];            /* loss of covariance g of each vertex' distance to the nearest vertex */
+    float part[SMR_CARRY_NEAR];           /* correlation with the nearest vertex, 1 - far / (1 + rough) */
+    float inverse[SMR_CARRY_NEAR];        /* 1 / pivot of each vertex; 0: the vertex gets no weight */
     float lower[SMR_CARRY_NEAR * SMR_CARRY_NEAR]; /* factor L of the matrix L D L^T, row-major; row 0 is not used */
     float side[SMR_CARRY_NEAR];                   /* right-hand side of the equations; once solved, the coefficients */
     float weight[3][SMR_CARRY_NEAR];              /* solutions for the vertices' residuals in x, y and z, mm */
@@ -43,7 +43,7 @@ typedef struct smr_carry_site {
 
 struct smr_carry {
     const struct smr_carry *self; /* address of this struct itself: a copy at another address is refused */
-    uint32_t magic;               /* SMR_CARRY_MAGIC */
+    uint32_t magic;               /* SMR_CARRY_MAGIC marks a fitted map */
     uint32_t n_vertices, n_points, n_densities;
     smr_port port;
     smr_vec centre;   /* origin of stored positions, mm: middle of the rest shape's box, rounded */
@@ -53,7 +53,7 @@ struct smr_carry {
     uint32_t *item;   /* [n_vertices] caller's number of each vertex, in the order of the Hilbert curve */
     smr_carry_thin thin[SMR_CARRY_DENSITIES];
     smr_carry_site *site; /* [port.n_workers] scratch of each worker */
-    uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's numbers of vertices near a point; unused: the first again */
+    uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's numbers of vertices near a point; unused: the first one */
     float *coefficient; /* [n_points][SMR_CARRY_NEAR] coefficients c_k of the vertices in `near`; unused ones are 0 */
     float *rest_part;   /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the parts that T maps */
 };
@@ -70,7 +70,7 @@ typedef struct smr_carry_nearest {
     float d2[SMR_CARRY_NEAR + 1u];    /* squared distance of each vertex from p, mm^2 */
 } smr_carry_nearest;
 
-void smr_carry_insert(smr_carry_nearest *f, uint32_t id, float d2); /* inserts in order; drops the farthest */
+void smr_carry_insert(smr_carry_nearest *f, uint32_t id, float d2); /* inserts by distance; drops the farthest */
 
 /* Returns the rest position of vertex i of the site, mm from smr_carry.centre. */
 static inline smr_vec smr_carry_place(const smr_carry_site *s, uint32_t i)

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 
-#define SMR_CARRY_COARSE 600u /* the thinnest selection has about this many vertices at most */
+#define SMR_CARRY_COARSE 600u /* largest number of vertices in the thinnest selection, about */
 #define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
 #define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance between two points */
 #define SMR_CARRY_NOISE 3.0e-4f   /* noise variance / (t^4 / (1 - t)^2), where t = distance / range */

@@ -55,7 +55,7 @@ static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius
             const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
             if ((uint64_t)(child + 1u) << (3u * node.level) <= (uint64_t)v + 1u ||
                 (uint64_t)child << (3u * node.level) >= p->n)
-                continue; /* the child holds only vertices up to v, or behind the last one */
+                continue; /* skips a child with vertices up to v only, or behind the last vertex */
             if (node.level > 0u)
                 stack[top++] = (smr_visit){0.0f, node.level - 1u, child};
             else
@@ -71,7 +71,7 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
     memset(p->n_outside, 0, p->n * sizeof *p->n_outside);
     for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
         if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
-            break; /* smr_prepare() reports a model that is too large */
+            break; /* stops: smr_prepare() will report the model as too large */
         if (p->touched[v])
             find_pairs(p, l, v, radius, half);
     }

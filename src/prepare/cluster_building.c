@@ -19,8 +19,8 @@ uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float out
         float near2 = 0.0f, far2 = 0.0f; /* squared distances to the box' nearest and farthest point, mm^2 */
         for (uint32_t axis = 0; axis < 3u; axis++) {
             const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
-            const float out = smr_positive(smr_max(below, above)); /* distance outside the box */
-            const float far = smr_min(below, above);               /* - distance to the farther side */
+            const float out = smr_positive(smr_max(below, above)); /* distance outside the box on the axis */
+            const float far = smr_min(below, above);               /* minus the distance to the box' farther side, mm */
             near2 += out * out;
             far2 += far * far;
         }
@@ -48,8 +48,8 @@ __attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_ve
 
 /* A ball around a vertex. */
 typedef struct ball {
-    smr_vec centre;   /* mm */
-    smr_boundary at;  /* where the ball's boundary lies */
+    smr_vec centre;   /* centre of the ball, mm */
+    smr_boundary at;  /* squared distances between which the ball's boundary lies */
     float r2;         /* squared radius, mm^2 */
     uint32_t touched; /* not 0: a vertex lies in the boundary */
 } ball;
@@ -85,7 +85,7 @@ uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row
     uint32_t top = 0, first = p->words, last = 0; /* first .. last - 1: words with members */
     smr_row_clear(row, p->words);
     stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
-    if (p->points.n_levels == 1u) { /* the only node is a leaf */
+    if (p->points.n_levels == 1u) { /* the tree's only node is a leaf */
         row[first = --top] = members_of(p->points.node, &b);
         last = 1;
     }
@@ -112,7 +112,7 @@ uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row
             stack[top++] = (smr_visit){0.0f, at.level - 1u, base + (uint32_t)__builtin_ctz(reaching)};
     }
     if (last == p->words)
-        row[last - 1u] &= ~(uint64_t)0 >> (63u - (p->n - 1u) % 64u); /* no bits behind the last vertex */
+        row[last - 1u] &= ~(uint64_t)0 >> (63u - (p->n - 1u) % 64u); /* clears bits behind the last vertex */
     smr_row_cover(row, p->words, first, last);
     return b.touched;
 }
@@ -159,7 +159,7 @@ static void geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
         const uint64_t item = pop(&h);
         const uint32_t distance = (uint32_t)(item >> 32), from = (uint32_t)item;
         if (distance > p->geo_distance[from])
-            continue; /* a shorter path was found after this item was pushed */
+            continue; /* skips an item that was pushed before a shorter path was found */
         for (uint32_t i = p->neighbour_start[from]; i < p->neighbour_start[from + 1u]; i++) {
             const uint32_t to = p->neighbour[i];
             const float mm = smr_length(smr_sub(smr_get3(p->xyz, from), smr_get3(p->xyz, to)));

@@ -46,7 +46,7 @@ static float rounded(float radius) { return smr_float_of((smr_float_bits(radius)
 
 static uint32_t image_radii(const smr_plan *p, float radius[SMR_RADII_MAX])
 {
-    static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* mm: radii after those of the whole structure */
+    static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* radii after those of the whole structure, mm */
     const float size = rounded(rod_length(p));
     uint32_t n = 0;
     for (uint32_t k = 0; p->n_structures == 1u && k < 2u; k++) {

@@ -73,7 +73,7 @@ void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t p
     const uint32_t count = p->count[vertex];
     const size_t at = l->at_entries + (size_t)l->n_entries * 4u * l->index_bytes;
     uint32_t n_plus = 0, n_minus = 0;
-    if (l->w->model == NULL) { /* only the size is wanted */
+    if (l->w->model == NULL) { /* no memory for the model: only the size is counted */
         l->n_indexes += parent_row == NULL ? count : smr_row_difference_count(own, parent_row, p->words);
     } else {
         n_plus = put_difference(l, p, own, parent_row);

@@ -115,7 +115,7 @@ static void sort_edges(smr_plan *p, uint32_t n, uint32_t most)
     }
 }
 
-/* Writes the edges of the minimum spanning tree over block and virtual root (number `size`) to tmp. Returns a count. */
+/* Writes the minimum spanning tree's edges over block and virtual root (number `size`) to tmp. Returns their number. */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
     block all = {p, first, first + size, 0.0f, n_edges};

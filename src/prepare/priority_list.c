@@ -127,7 +127,7 @@ static uint32_t scan(smr_plan *p, uint32_t v, float radius)
         for (uint32_t k = 0; row[w] == UINT64_MAX && k < 64u; k++)
             least = k == 0u ? p->count[w * 64u] : smr_min_u32(least, p->count[w * 64u + k]);
         if (least >= m)
-            continue; /* the word holds 64 vertices, none of which has a smaller cluster than m */
+            continue; /* skips a word of 64 vertices with no cluster smaller than m */
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             const uint32_t j = w * 64u + (uint32_t)__builtin_ctzll(rest);
             if (p->count[j] < m) {

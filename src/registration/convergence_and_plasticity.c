@@ -17,7 +17,7 @@ static int may_end_early(const smr *s)
            s->forces.surface.n_goals_at_begin == 0u || !(s->shared.config.basic.even > 0.0f);
 }
 
-/* A radius ends when no vertex moves by settle_um or more, or after its number of iterations. */
+/* Returns whether a radius ends: when no vertex moves by settle_um or more, or after its number of iterations. */
 smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration)
 {
     const int last = smr_at_last_radius(&s->shared, &s->schedule);

@@ -18,7 +18,7 @@ uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, floa
     return best;
 }
 
-/* By default clusters of this radius hold one of several structures only, so that structures slide and joints turn. */
+/* Returns by default a radius whose clusters keep to one structure, so that structures slide and joints turn. */
 uint32_t smr_radius_after(const smr *s)
 {
     const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
@@ -70,7 +70,7 @@ static float enough_for_image(const smr *s)
 {
     const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /
                           (float)smr_max_u32(s->schedule.lists.smallest, 1u);
-    const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* clusters that span the model share their vertices */
+    const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* a floor: clusters that span the model share vertices */
     uint32_t level = 0;
     while (level + 1u < smr_le32(s->shared.model->n_levels) &&
            (float)smr_le32(s->shared.model->level_end[level]) < SMR_ABOUT * enough)
@@ -106,7 +106,7 @@ void smr_radius_take(smr *s)
     p->lists = smr_model_lists(s->shared.model, p->radius);
     p->momentum = smr_at_last_radius(&s->shared, p) ? c->motion.momentum_last : c->motion.momentum;
     if (c->dynamics.mode) {
-        p->lists.active_min = s->shared.n; /* momentum is conserved for all vertices together */
+        p->lists.active_min = s->shared.n; /* all vertices are active: only together they conserve momentum */
         p->momentum = 0.0f;
     }
     const float within = c->forces.search_radii * smr_max(p->lists.radius, SMR_NARROWING * before);

@@ -52,7 +52,7 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
     }
     const smr_pose fitted = smr_fit_solve(&fit, 0);
     const int measured = s->step == 0u && s->next_task == 0u && !s->forces.unmeasured &&
-                         s->forces.totals.n_forces > 0u; /* totals and forces are not saved */
+                         s->forces.totals.n_forces > 0u; /* 0 after a restore */
     for (uint32_t i = first; i < last && measured; i++)
         add_distances(s, &s->shape.structure[i], &fitted, &mean);
     *residual_mm = smr_mean_of(mean, -1.0f);

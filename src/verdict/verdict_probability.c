@@ -45,32 +45,32 @@ enum {
     MEASURES
 };
 
-/* wider: factor on the limits where model and target meet both ways: people differ by more than a doubtful run. */
+/* Reason and limits of each measure. wider: factor on limits where model and target meet both ways: people differ. */
 static const struct {
     uint32_t reason;
     float none, limit, failed, wider;
 } table[MEASURES] = {
-    [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* 1: nothing is visible; else 0 */
-    [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.8f, 0.9f, 1.3f, 1.0f},      /* hidden share of the model */
-    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.0f, 2.3f, 13.0f, 1.0f},       /* expected error with a partial target, mm */
-    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* expected error / bend */
-    [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* expected error, mm */
-    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* uncovered share, if all is visible */
-    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* uncovered share; model partly visible */
-    [STRAYS] = {SMR_REASON_UNCOVERED, 0.35f, 0.5f, 0.8f, 1.0f},          /* share of outliers in a cloud's points */
-    [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* area share with disagreeing normals */
-    [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.23f, 0.25f, 2.0f, 1.0f},        /* residual in mean edge lengths */
-    [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* residual of landmarks, mm */
-    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* factor of size since the start, >= 1 */
-    [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* factor of size for a partial target */
-    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* strain / its largest plausible value */
-    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* root mean square stretch of parts */
-    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* factor of volume from rest, >= 1 */
-    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 40.0f, 1.15f},      /* largest rotation of a part, degrees */
-    [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* bend, mm */
-    [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* 1 less the image similarity */
-    [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* stretch times 1 less the similarity */
-    [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* share of vertices without a goal */
+    [NOTHING] = {SMR_REASON_NOTHING_VISIBLE, 0.0f, 0.1f, 0.5f, 1.0f},    /* limits of 1 (nothing visible) or 0 */
+    [LITTLE] = {SMR_REASON_LITTLE_VISIBLE, 0.8f, 0.9f, 1.3f, 1.0f},      /* limits of the model's hidden share */
+    [PART] = {SMR_REASON_LITTLE_VISIBLE, 2.0f, 2.3f, 13.0f, 1.0f},       /* limits of error on a partial target, mm */
+    [OPEN] = {SMR_REASON_LITTLE_VISIBLE, 0.45f, 1.15f, 5.0f, 1.0f},      /* limits of expected error / bend */
+    [EXPECTED] = {SMR_REASON_EXPECTED, 3.2f, 6.5f, 12.0f, 1.0f},         /* limits of expected error, mm */
+    [UNCOVERED] = {SMR_REASON_UNCOVERED, 0.15f, 0.25f, 0.5f, 1.0f},      /* limits of uncovered share, all visible */
+    [UNCOVERED_PART] = {SMR_REASON_UNCOVERED, 0.03f, 0.05f, 0.6f, 1.0f}, /* limits of uncovered share, part visible */
+    [STRAYS] = {SMR_REASON_UNCOVERED, 0.35f, 0.5f, 0.8f, 1.0f},          /* limits of a cloud's share of outliers */
+    [NORMALS] = {SMR_REASON_NORMALS, 0.1f, 0.15f, 0.4f, 1.0f},           /* limits of share of disagreeing normals */
+    [RESIDUAL] = {SMR_REASON_RESIDUAL, 0.23f, 0.25f, 2.0f, 1.0f},        /* limits of residual in mean edge lengths */
+    [MARKS] = {SMR_REASON_RESIDUAL, 2.0f, 3.0f, 20.0f, 1.0f},            /* limits of landmarks' residual, mm */
+    [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* limits of size factor since start, >= 1 */
+    [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* limits of size factor, partial target */
+    [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* limits of strain / largest plausible one */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* limits of rms stretch of parts */
+    [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* limits of volume factor from rest, >= 1 */
+    [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 40.0f, 1.15f},      /* limits of a part's rotation, degrees */
+    [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* limits of bend, mm */
+    [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* limits of 1 - image similarity */
+    [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* limits of stretch * (1 - similarity) */
+    [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* limits of share without a goal */
 };
 
 /* Points of a curve: sum of doubts, and share of runs with this sum that were right. */
@@ -142,7 +142,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
     if (image) {
         m[SIMILARITY] = v->image_similarity > -1.0f ? 1.0f - v->image_similarity : 0.0f;
         m[STRETCH_IMAGE] =
-            smr_min(m[SIMILARITY], SMR_UNLIKE_MOST) * v->stretch; /* people differ, but then the image fits */
+            smr_min(m[SIMILARITY], SMR_UNLIKE_MOST) * v->stretch; /* less where the image fits: people differ */
         m[GOALS] = lacking(v->goals_share);
         m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }
@@ -159,7 +159,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
 static float doubt_of(uint32_t k, float measure, int met)
 {
     const float wider = met ? table[k].wider : 1.0f, limit = wider * table[k].limit, none = wider * table[k].none;
-    if (measure <= none) /* a measure that is no number gives the largest doubt */
+    if (measure <= none) /* false for NaN, which then gives the largest doubt */
         return 0.0f;
     if (measure < limit)
         return between(measure, none, limit, 0.0f, 1.0f);

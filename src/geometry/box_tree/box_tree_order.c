@@ -34,7 +34,7 @@ static int next_range(smr_order *o)
             continue;
         while (n / SMR_TREE_WIDTH >= node && n > node * SMR_TREE_WIDTH)
             node *= SMR_TREE_WIDTH;
-        const uint32_t middle = first + (smr_ceil_div(n, node) + 1u) / 2u * node; /* half of the nodes, rounded up */
+        const uint32_t middle = first + (smr_ceil_div(n, node) + 1u) / 2u * node; /* end of half of the nodes */
         o->stack[o->top++] = middle;
         o->stack[o->top++] = last;
         o->stack[o->top++] = first;

@@ -83,7 +83,7 @@ static int cofactor_inverse(const float s[6], float out[6])
         return 0;
     float n[6], c[6];
     for (int i = 0; i < 6; i++)
-        n[i] = s[i] * (3.0f / trace); /* the eigenvalues of n have the mean 1 */
+        n[i] = s[i] * (3.0f / trace); /* scales s so that the mean eigenvalue is 1 */
     c[SMR_XX] = n[SMR_YY] * n[SMR_ZZ] - n[SMR_YZ] * n[SMR_YZ];
     c[SMR_XY] = n[SMR_XZ] * n[SMR_YZ] - n[SMR_XY] * n[SMR_ZZ];
     c[SMR_XZ] = n[SMR_XY] * n[SMR_YZ] - n[SMR_XZ] * n[SMR_YY];

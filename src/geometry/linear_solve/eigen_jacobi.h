@@ -32,7 +32,7 @@ static inline smr_vec smr_mul_symmetric(const float s[6], smr_vec a)
 /* Writes A^T B, which must be symmetric, of matrices with the columns a[k] and b[k]. */
 static inline void smr_products(const smr_vec a[3], const smr_vec b[3], float out[6])
 {
-    out[SMR_XX] = smr_dot(a[0], b[0]); /* a loop would add a sixth to a rotation's instructions */
+    out[SMR_XX] = smr_dot(a[0], b[0]); /* written out: a loop would add a sixth to a rotation's time */
     out[SMR_XY] = smr_dot(a[0], b[1]);
     out[SMR_XZ] = smr_dot(a[0], b[2]);
     out[SMR_YY] = smr_dot(a[1], b[1]);

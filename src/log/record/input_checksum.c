@@ -79,7 +79,7 @@ static uint32_t voxel(const void *voxels, uint32_t bytes, size_t i)
 
 static uint64_t add_voxels(uint64_t sum, const void *voxels, uint32_t bytes, size_t n)
 {
-    const uint32_t share = 8u / bytes; /* voxels in a word */
+    const uint32_t share = 8u / bytes; /* number of voxels in a word of 8 bytes */
     for (size_t i = 0; i < n; i += share) {
         const size_t last = n - i < share ? n : i + share;
         uint64_t word = 0;

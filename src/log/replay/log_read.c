@@ -80,7 +80,7 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
     case SMR_LOG_ACTIVE: r->n_taken = word[0]; return SMR_OK;
     case SMR_LOG_VOLUME_RATIO:
         r->structure = word[0];
-        r->ratio = smr_float_of(word[1]); /* smr_set_volume_ratio() checks the ratio */
+        r->ratio = smr_float_of(word[1]); /* stored unchecked: smr_set_volume_ratio() checks the ratio */
         return SMR_OK;
     case SMR_LOG_POSE: memcpy(&r->pose, word, sizeof r->pose); return SMR_OK;
     }

@@ -18,7 +18,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     SMR_TRY(smr_log_open(log, bytes, &reader, &info));
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
-    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* the log's number does not matter */
+    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* any number of workers is accepted */
     if (smr_config_left_out(&info.config))
         return SMR_E_WITHOUT;
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
@@ -62,7 +62,7 @@ static int is_recorded(const smr *s, const smr_log_record *record, const void *g
     case SMR_LOG_MOTION: legal = motion->mass != NULL || motion->velocity != NULL; break;
     default: break;
     }
-    const int whole = record->structure >= s->shared.n_structures; /* the input belongs to no structure */
+    const int whole = record->structure >= s->shared.n_structures; /* 1: the input belongs to no single structure */
     const uint32_t n = whole ? 0u : s->shape.structure[record->structure].n_vertices;
     return legal && smr_log_checksum(record->kind, given, n) == record->checksum;
 }
@@ -117,7 +117,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
             status = set_again(r, record);
     }
     r->has_later = 0;
-    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* some announced landmarks are missing */
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* E_LOG: announced landmarks are missing */
 }
 
 /* Sets an input now, or keeps it for the end of the current iteration. *record: the input, or the one that failed. */
@@ -192,7 +192,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             report->ended = 1;
             report->tick = replay->n_ticks;
             report->full = kind == SMR_LOG_FULL;
-            replay->reader = before; /* the next call finds the log's end again */
+            replay->reader = before; /* goes back, so that the next call finds the log's end again */
             return SMR_OK;
         }
         if (kind == SMR_LOG_TICK) {

@@ -47,8 +47,8 @@ typedef struct smr_dynamics {
     const smr_shared *shared;
     float step_s;  /* h: length of a time step, s */
     float keeps;   /* 1 / (1 + h c): factor by which the damping c scales velocities in a time step */
-    float springs; /* keeps k h^2: elastic stiffness k / inertial stiffness */
-    smr_vec fall;  /* keeps h^2 g: displacement by the gravity g in a time step, mm */
+    float springs; /* keeps * k h^2: elastic stiffness k, damped / inertial stiffness 1 / h^2 */
+    smr_vec fall;  /* keeps * h^2 g: displacement by the gravity g in a time step, mm */
     uint32_t ends; /* 1: the current iteration ends a time step */
     float gram;    /* grams in a unit of weight: mass of a vertex = weight * members * gram */
     smr_stored_energy stored;

@@ -72,7 +72,7 @@ int smr_image_shows(const smr_image_goals *g, uint32_t v);
 
 /* Returns 1 when the current forces search the image for a structure: a search distance is at least half a sample. */
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure);
-void smr_image_forget(smr_image_goals *g, uint32_t v);      /* stores contrast and brightness of no goal for v */
+void smr_image_forget(smr_image_goals *g, uint32_t v);      /* stores that v has no contrast and brightness */
 void smr_image_keep(smr_image_goals *g, uint32_t v);        /* takes v's contrast and brightness from the last forces */
 void smr_image_ahead(const smr_image_goals *g, uint32_t v); /* prefetches voxels that v's search reads */
 

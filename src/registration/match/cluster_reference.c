@@ -75,7 +75,7 @@ void smr_reference_begin(smr_reference *r)
         mass = smr_min(mass, r->shared->mass_sum * r->shared->mass_unit);
     r->coarse = step_for(mass, reach, 2);
     r->fine = smr_max(step_for(mass, reach, 1), r->coarse * SMR_FINE_SHARE);
-    r->per_coarse = 1.0f / r->coarse; /* exact for powers of two */
+    r->per_coarse = 1.0f / r->coarse; /* exact, because the step is a power of two */
     r->per_fine = 1.0f / r->fine;
     r->sums->words = SMR_WORDS;
 }
@@ -167,7 +167,7 @@ void smr_reference_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         else
             record_steps(r, v, m, w);
         w[0] = m;
-        w[13] = SMR_BOUNDARY_UNITS; /* a member's count of 1: the sum counts the cluster's members */
+        w[13] = SMR_BOUNDARY_UNITS; /* one member in boundary units; its sum counts the cluster's members */
         w[14] = w[15] = 0;
     }
 }

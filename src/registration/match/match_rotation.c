@@ -48,7 +48,7 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     }
     memset(r_minus_i, 0, 9u * sizeof *r_minus_i);
     if (!(change > 0.0f))
-        return; /* R is exactly I: rounding would accumulate over plastic updates */
+        return; /* R - I stays exactly 0: rounding would accumulate over plastic updates */
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 

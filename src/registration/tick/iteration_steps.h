@@ -35,7 +35,7 @@ typedef struct smr_step {
     smr_count_tasks *n_tasks;
     smr_task run;
     void (*end)(smr *s);
-    void (*pieces)(void *stage, int cut); /* called before the first task; cut 1: cuts tasks into pieces. NULL: never */
+    void (*pieces)(void *stage, int cut); /* before the first task: cuts tasks into pieces if cut is 1; NULL: none */
     smr_count_tasks *abreast; /* number of independent pieces; later pieces need their results. NULL: all pieces */
 } smr_step;
 

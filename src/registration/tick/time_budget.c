@@ -164,7 +164,7 @@ void smr_budget_done(smr *s)
     c->whole += (c->whole > 0.0f ? SMR_FALL : 1.0f) * (whole - c->whole);
     for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->schedule.repairing == 0u; i++)
         if (smr_steps[i].work == SMR_WORK_FOLDS)
-            c->rate[i] = SMR_UNKNOWN; /* repairs cost more than later iterations */
+            c->rate[i] = SMR_UNKNOWN; /* forgets the rate: repairs cost more than later iterations */
     c->repairing = s->schedule.repairing > 0u;
     c->margin = smr_clamp(c->margin + (c->late ? SMR_LATE : -SMR_IN_TIME), SMR_MARGIN_MIN, SMR_MARGIN_MAX);
 }
@@ -176,7 +176,7 @@ int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
     if (s->schedule.n_active_chosen > 0u || reached < fewest(s))
         return 0;
     if (s->schedule.repairing > 0u && !s->shared.config.basic.budget_exact)
-        return 1; /* no forces act in this iteration, but later ones start from its searches */
+        return 1; /* ends the searches of a repair, whose forces do not act; later iterations use the results */
     if (s->budget.uncut || reached < s->budget.look)
         return 0;
     s->budget.look = reached + more;

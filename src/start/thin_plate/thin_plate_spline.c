@@ -26,7 +26,7 @@
 #define SMR_LAMBDA_MAX 1.0e9f   /* largest smoothing lambda, in units of u: above, floats lose the kernels' part */
 
 struct smr_warp {
-    uint32_t magic;   /* SMR_WARP_MAGIC */
+    uint32_t magic;   /* SMR_WARP_MAGIC marks a fitted warp */
     uint32_t n;       /* number of kernels; 0 unless the warp is a spline */
     smr_vec from, to; /* centroids of the landmarks and of their goals, mm */
     float per_mm;     /* units of u in a mm: u = (x - from) * per_mm */
@@ -205,7 +205,7 @@ static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
 {
     const float unit = 1.0f / w->per_mm;
     smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); /* without pairs: origin to origin, the centroids */
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); /* a fit without pairs maps centroid to centroid */
     for (uint32_t k = 0; kind != SMR_WARP_TRANSLATION && k < j->n; k++)
         smr_fit_add(&fit, smr_scale(smr_get3(w->centre, k), unit), smr_get3(j->goal, k), j->count[k]);
     smr_pose p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
