@@ -141,6 +141,7 @@ help:
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
+	@echo 'make api-update      records functions, layouts and values of the public headers as the expected ones'
 	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
@@ -415,6 +416,10 @@ install-man: $(BUILD)/help_pages
 
 reference:
 	$(Q)mkdir -p $(BUILD) && sh tests/docs/reference.sh include/smr.h > $(BUILD)/reference.html
+
+.PHONY: api-update
+api-update:
+	@CC="$(CC)" sh tests/check_api.sh --update
 
 golden-update: $(BUILD)/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt
