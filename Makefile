@@ -150,6 +150,7 @@ help:
 	@echo 'make amalgamation    the library as one source, smr.c and smr.h, in $(BUILD)/amalgamation'
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local; install-core: header and libsmr.a alone,'
 	@echo '                     for cross compilers; install-shared: the shared library'
+	@echo 'make dist            the sources as $(BUILD)/smr-VERSION.tar.gz, the same bytes anywhere; make sbom: its parts, SPDX'
 	@echo 'make clean           removes $(BUILD)/'
 	@echo 'make WITHOUT="image track"   the library without capabilities: $(CAPABILITIES)'
 	@echo 'Variables: CC, CFLAGS (appended), LDFLAGS, BUILD, WERROR=1 (warnings are errors), PREFIX, LIBDIR,'
@@ -447,6 +448,16 @@ install-core: $(CORE_LIB)
 install-shared: $(SHARED_LIB)
 	$(call begin,INST,$(DESTDIR)$(PREFIX))
 	$(Q)$(put) shared
+
+DIST := smr-$(version)
+.PHONY: dist sbom
+dist:
+	$(call begin,DIST,$(BUILD)/$(DIST).tar.gz)
+	$(Q)mkdir -p $(BUILD) && sh port/package/dist.sh archive $(DIST) $(BUILD)/$(DIST).tar.gz
+
+sbom: dist
+	$(call begin,SBOM,$(BUILD)/$(DIST).spdx)
+	$(Q)sh port/package/dist.sh sbom $(DIST) $(BUILD)/$(DIST).tar.gz > $(BUILD)/$(DIST).spdx
 
 clean:
 	$(Q)rm -rf $(BUILD)
