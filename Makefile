@@ -150,6 +150,8 @@ help:
 	@echo 'make amalgamation    the library as one source, smr.c and smr.h, in $(BUILD)/amalgamation'
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local; install-core: header and libsmr.a alone,'
 	@echo '                     for cross compilers; install-shared: the shared library'
+	@echo 'make misra           findings of MISRA C:2012 against docs/safety/MISRA.md; make analyse: GCC'"'"'s analyser'
+	@echo 'make trace           what the last make check said of each requirement of docs/safety, in $(BUILD)/TRACE.md'
 	@echo 'make dist            the sources as $(BUILD)/smr-VERSION.tar.gz, the same bytes anywhere; make sbom: its parts, SPDX'
 	@echo 'make clean           removes $(BUILD)/'
 	@echo 'make WITHOUT="image track"   the library without capabilities: $(CAPABILITIES)'
@@ -448,6 +450,17 @@ install-core: $(CORE_LIB)
 install-shared: $(SHARED_LIB)
 	$(call begin,INST,$(DESTDIR)$(PREFIX))
 	$(Q)$(put) shared
+
+# cppcheck with Python: half a minute of processor time. The analyser takes as long.
+.PHONY: misra analyse trace
+misra:
+	@python3 tests/misra/misra.py $(BUILD)/misra || [ $$? -eq 77 ]
+
+analyse:
+	@sh tests/misra/analyse.sh || [ $$? -eq 77 ]
+
+trace:
+	@BUILD="$(BUILD)" sh tests/check_requirements.sh --ran
 
 DIST := smr-$(version)
 .PHONY: dist sbom
