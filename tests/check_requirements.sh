@@ -23,7 +23,7 @@ there() {
     make:*) grep -q "^[a-z -]*\b${1#make:}\b[a-z -]*:" Makefile && grep -qE "make -s .*\b${1#make:}( |\$)" .ci/run ;;
     by_hand:*) grep -q "^${1#by_hand:}:" Makefile && grep -q "make ${1#by_hand:}\`" docs/safety/LIFECYCLE.md ;;
     ci:*) grep -q "^${1#ci:}() {" .ci/run && grep -q "run_step .*${1#ci:}\$" .ci/run ;;
-    check_boards.sh:*) grep -q "[ ']${1#check_boards.sh:}[ ']" tests/run_checks.sh && [ -f "tests/target/${1##*:}.c" -o "${1##*:}" = golden ] ;;
+    check_boards.sh:*) grep -q "[ ']${1#check_boards.sh:}[ ']" tests/run_checks.sh && { [ "${1##*:}" = golden ] || [ -f "tests/target/${1##*:}.c" ]; } ;;
     check_timing.sh) grep -q "boards=tests/target/$1" tests/run_checks.sh ;;
     *.sh) [ -f "tests/$1" ] || [ -f "tests/host/$1" ] || [ -f "tests/golden/$1" ] ;;
     *:*) cat tests/*/"${1%%:*}.c" 2>/dev/null | grep -q "^TEST(${1##*:})" ;;
