@@ -141,6 +141,7 @@ help:
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
+	@echo 'make api-update      records functions, layouts and values of the public headers as the expected ones'
 	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
@@ -149,6 +150,9 @@ help:
 	@echo 'make amalgamation    the library as one source, smr.c and smr.h, in $(BUILD)/amalgamation'
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local; install-core: header and libsmr.a alone,'
 	@echo '                     for cross compilers; install-shared: the shared library'
+	@echo 'make misra           findings of MISRA C:2012 against docs/safety/MISRA.md; make analyse: GCC'"'"'s analyser'
+	@echo 'make trace           what the last make check said of each requirement of docs/safety, in $(BUILD)/TRACE.md'
+	@echo 'make dist            the sources as $(BUILD)/smr-VERSION.tar.gz, the same bytes anywhere; make sbom: its parts, SPDX'
 	@echo 'make clean           removes $(BUILD)/'
 	@echo 'make WITHOUT="image track"   the library without capabilities: $(CAPABILITIES)'
 	@echo 'Variables: CC, CFLAGS (appended), LDFLAGS, BUILD, WERROR=1 (warnings are errors), PREFIX, LIBDIR,'
@@ -416,6 +420,10 @@ install-man: $(BUILD)/help_pages
 reference:
 	$(Q)mkdir -p $(BUILD) && sh tests/docs/reference.sh include/smr.h > $(BUILD)/reference.html
 
+.PHONY: api-update
+api-update:
+	@CC="$(CC)" sh tests/check_api.sh --update
+
 golden-update: $(BUILD)/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
@@ -442,6 +450,27 @@ install-core: $(CORE_LIB)
 install-shared: $(SHARED_LIB)
 	$(call begin,INST,$(DESTDIR)$(PREFIX))
 	$(Q)$(put) shared
+
+# cppcheck with Python: half a minute of processor time. The analyser takes as long.
+.PHONY: misra analyse trace
+misra:
+	@python3 tests/misra/misra.py $(BUILD)/misra || [ $$? -eq 77 ]
+
+analyse:
+	@sh tests/misra/analyse.sh || [ $$? -eq 77 ]
+
+trace:
+	@BUILD="$(BUILD)" sh tests/check_requirements.sh --ran
+
+DIST := smr-$(version)
+.PHONY: dist sbom
+dist:
+	$(call begin,DIST,$(BUILD)/$(DIST).tar.gz)
+	$(Q)mkdir -p $(BUILD) && sh port/package/dist.sh archive $(DIST) $(BUILD)/$(DIST).tar.gz
+
+sbom: dist
+	$(call begin,SBOM,$(BUILD)/$(DIST).spdx)
+	$(Q)sh port/package/dist.sh sbom $(DIST) $(BUILD)/$(DIST).tar.gz > $(BUILD)/$(DIST).spdx
 
 clean:
 	$(Q)rm -rf $(BUILD)

@@ -23,9 +23,12 @@ limit docs/DESIGN.md 30000 360
 all=$(cat README.md CHANGELOG.md docs/*.md .github/*.md .github/*/*.md docs/examples/*/*.md tests/*/*.md 2>/dev/null | wc -c)
 echo "all documents: $((all)) of 230000 bytes"
 if [ "$all" -le 230000 ]; then ok; else fail "the documents are longer than 230000 bytes together"; fi
+safety=$(cat docs/safety/*.md | wc -c)
+echo "docs/safety: $((safety)) of 60000 bytes"
+if [ "$safety" -le 60000 ]; then ok; else fail "docs/safety is longer than 60000 bytes"; fi
 
 # Lines of at most 120 characters; tables, pictures and code may be longer, but in DESIGN nothing may.
-for file in README.md docs/*.md; do
+for file in README.md docs/*.md docs/safety/*.md; do
     long=$(awk -v all="$([ "$file" = docs/DESIGN.md ] && echo 1)" '
         /^ *```/ { code = !code }
         length($0) > 120 && (all || (!code && !/^ *[|!]/ && !/^     /)) { print FILENAME ":" FNR ": " length($0) " characters" }' "$file")
@@ -102,14 +105,14 @@ if copies pairs "$planted" >/dev/null; then fail "a pair is not found: $pair"; e
 
 # `section.key` and RESULTS (`section`): what documents name must be there.
 for name in $(sed -n 's/^<a id="\([a-z0-9_]*\)">.*/\1/p' docs/RESULTS.md); do echo "$name"; done >"$planted"
-named=$(cat README.md docs/*.md | tr '\n' ' ' | grep -oE 'RESULTS(\]\([^)]*\))?(, |'"'"'s? | \()`[a-z0-9_]+`(, `[a-z0-9_]+`)*' | grep -oE '`[a-z0-9_]+`' | tr -d '`' | sort -u)
+named=$(cat README.md docs/*.md docs/safety/*.md | tr '\n' ' ' | grep -oE 'RESULTS(\]\([^)]*\))?(, |'"'"'s? | \()`[a-z0-9_]+`(, `[a-z0-9_]+`)*' | grep -oE '`[a-z0-9_]+`' | tr -d '`' | sort -u)
 for name in $named; do
     if grep -qx "$name" "$planted"; then ok; else fail "$name is named, but no section of docs/RESULTS.md"; fi
 done
 
 # Files and constants that documents name are there. CHANGELOG tells of the past.
 find src include port tests fixtures docs .ci Makefile -type f >"$planted"
-for file in README.md docs/DESIGN.md docs/SPEC.md docs/PORTING.md docs/TIMING.md docs/TESTING.md; do
+for file in README.md docs/DESIGN.md docs/SPEC.md docs/PORTING.md docs/TIMING.md docs/TESTING.md docs/safety/*.md; do
     lost=
     for name in $(grep -oE '`[A-Za-z_0-9/.]+\.(c|h|sh|txt|awk|inc)`' "$file" | tr -d '`' | grep -v '^DIR/\|NAME' | sort -u); do
         grep -qE "(^|/)$name\$" "$planted" || lost="$lost $name"
@@ -124,7 +127,7 @@ done
 anchors() {
     sed -n 's/.*<a id="\([^"]*\)">.*/\1/p; s/^##* //p' "$1" | tr '[:upper:] ' '[:lower:]-' | tr -cd 'a-z0-9_\n-'
 }
-for file in README.md CHANGELOG.md docs/*.md; do
+for file in README.md CHANGELOG.md docs/*.md docs/safety/*.md; do
     for link in $(grep -oE '\]\([^) ]+\)' "$file" | sed 's/^](//; s/)$//' | grep -vE '^(https?|mailto):' | sort -u); do
         path=${link%%#*}
         at=$(dirname "$file")/$path

@@ -34,28 +34,28 @@ static inline int smr_ranges_legal(const void *config, const smr_range *range, s
 
 /* SMR_RANGE_kind expands to a setting's smr_range, and to nothing for kinds that are checked elsewhere. */
 #define SMR_RANGE_COUNT(type, path, low, high, ends) {offsetof(type, path), 0, (ends), (float)(low), (float)(high)},
-#define SMR_RANGE_CHOICE SMR_RANGE_COUNT
-#define SMR_RANGE_SWITCH SMR_RANGE_COUNT
+#define SMR_RANGE_CHOICE(type, path, low, high, ends) SMR_RANGE_COUNT(type, path, low, high, ends)
+#define SMR_RANGE_SWITCH(type, path, low, high, ends) SMR_RANGE_COUNT(type, path, low, high, ends)
 #define SMR_RANGE_NUMBER(type, path, low, high, ends) {offsetof(type, path), 1, (ends), (float)(low), (float)(high)},
 #define SMR_RANGE_INDEX(type, path, low, high, ends)
-#define SMR_RANGE_VECTOR SMR_RANGE_INDEX
-#define SMR_RANGE_POINTER SMR_RANGE_INDEX
+#define SMR_RANGE_VECTOR(type, path, low, high, ends)
+#define SMR_RANGE_POINTER(type, path, low, high, ends)
 
 /* SMR_DEFAULT_kind sets v, a setting of that kind, to `value`; vectors and pointers are left as they are, 0. */
 #define SMR_DEFAULT_COUNT(v, value) (v) = (uint32_t)(value);
-#define SMR_DEFAULT_CHOICE SMR_DEFAULT_COUNT
-#define SMR_DEFAULT_SWITCH SMR_DEFAULT_COUNT
-#define SMR_DEFAULT_INDEX SMR_DEFAULT_COUNT
+#define SMR_DEFAULT_CHOICE(v, value) SMR_DEFAULT_COUNT(v, value)
+#define SMR_DEFAULT_SWITCH(v, value) SMR_DEFAULT_COUNT(v, value)
+#define SMR_DEFAULT_INDEX(v, value) SMR_DEFAULT_COUNT(v, value)
 #define SMR_DEFAULT_NUMBER(v, value) (v) = (float)(value);
 #define SMR_DEFAULT_VECTOR(v, value)
 #define SMR_DEFAULT_POINTER(v, value)
 
 /* A row of a table as code: set the setting in *c to its default or its default for images; RANGE: its smr_range. */
-#define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, image, text)                           \
+#define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, in_image, text)                        \
     SMR_DEFAULT_##kind(c->path, value)
-#define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, image, text)                             \
-    SMR_DEFAULT_##kind(c->path, image)
-#define SMR_ROW_RANGE(type, kind, number, path, name, unit, low, high, ends, value, image, text)                       \
+#define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, in_image, text)                          \
+    SMR_DEFAULT_##kind(c->path, in_image)
+#define SMR_ROW_RANGE(type, kind, number, path, name, unit, low, high, ends, value, in_image, text)                    \
     SMR_RANGE_##kind(type, path, low, high, SMR_ENDS_##ends)
 
 #endif

@@ -9,11 +9,11 @@
 /* Initialisers of parts of an smr_setting, from a row of a table, in the order of the struct. */
 #define SMR_ROW_PLACE(type, kind, number, path)                                                                        \
     SMR_SETTING_##kind, (number), (uint32_t)offsetof(type, path), (uint32_t)sizeof(((type *)NULL)->path)
-#define SMR_ROW_VALUES(low, high, ends, value, image)                                                                  \
+#define SMR_ROW_VALUES(low, high, ends, value, in_image)                                                               \
     SMR_ENDS_##ends == SMR_ENDS_OPEN, SMR_ENDS_##ends == SMR_ENDS_OR_ZERO, (double)(low), (double)(high),              \
-        (double)(value), (double)(image)
-#define SMR_ROW_TEXT(type, kind, number, path, name, unit, low, high, ends, value, image, text)                        \
-    {#name, unit, text, SMR_ROW_PLACE(type, kind, number, path), SMR_ROW_VALUES(low, high, ends, value, image)},
+        (double)(value), (double)(in_image)
+#define SMR_ROW_TEXT(type, kind, number, path, name, unit, low, high, ends, value, in_image, text)                     \
+    {#name, unit, text, SMR_ROW_PLACE(type, kind, number, path), SMR_ROW_VALUES(low, high, ends, value, in_image)},
 #define SMR_ROW_TITLE(title) {title, "", "", SMR_SETTING_GROUP, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0},
 
 static const smr_setting config_settings[] = {

@@ -18,7 +18,7 @@ smr_prepare_config smr_prepare_config_default(void)
     memset(c, 0, sizeof *c);
     c->cookie = SMR_COOKIE('P', smr_prepare_config);
 #define SMR_GROUP(title)
-#define SMR_SETTING SMR_ROW_DEFAULT
+#define SMR_SETTING(...) SMR_ROW_DEFAULT(__VA_ARGS__)
 #include "base/settings_prepare.def"
     return config;
 }

@@ -79,4 +79,21 @@ check "it is good" grep -q '^verdict: good' "$scratch/said.txt"
 run docs/examples/python/register_bone.py --svg "$scratch/figure/bone" >"$scratch/said.txt" 2>&1
 check "its picture without matplotlib is well-formed" "$python" -c "import sys, xml.dom.minidom as m
 sys.exit(len(m.parse('$scratch/figure/bone.svg').getElementsByTagName('path')) < 1000)"
+
+# The package in a virtual environment: it carries the library, and is found without SMR_LIBRARY.
+if [ "${SMR_AGAIN:-0}" = 1 ]; then skip "the package" "SMR_AGAIN"; finish; fi
+"$python" -c 'import setuptools, wheel, venv, pip' 2>/dev/null || { skip "the package" "no pip, venv, setuptools or wheel"; finish; }
+venv=$scratch/venv
+"$python" -m venv --system-site-packages --without-pip "$venv"
+check "pip installs the package" "$venv/bin/python" -m pip --disable-pip-version-check install -q --no-index --no-build-isolation \
+    "$top/port/python"
+cd "$scratch" || exit 1
+unset SMR_LIBRARY
+run_installed() { (python=$venv/bin/python; run "$@"); }
+where=$(run_installed -c 'import smr; print(smr.__file__, smr._lib._name, len(smr.SETTINGS) > 9, smr._lib.smr_self_test())')
+# shellcheck disable=SC2086
+set -- $where
+check "it is the installed one, with its own library" [ "${1%/smr/*}/smr/libsmr.so $3 $4" = "$2 True 0" -a "${1#"$venv"/lib}" != "$1" ]
+version=$("$venv/bin/python" -c 'from importlib.metadata import version; print(version("smr-registration"))')
+check "its version is the header's" [ "$version" = "$("$build/smr" --version | sed 's/^smr //')" ]
 finish

@@ -146,6 +146,26 @@ static void forge(const struct forgery *row, uint32_t rows)
 
 TEST(test_fields) { forge(forgeries, sizeof forgeries / sizeof forgeries[0]); }
 
+/* A landmark that was announced is missing: the record behind it says so. */
+TEST(test_missing_landmark)
+{
+    size_t bytes;
+    const size_t at = find(SMR_LOG_LANDMARKS, 2), whole = u.bytes;
+    for (uint32_t i = 0; unit_log_record(u.log, u.bytes, i, &bytes) != at; i++)
+        ;
+    memcpy(forged, u.log, at);
+    memcpy(forged + at, u.log + at + bytes, u.bytes - at - bytes);
+    unit_log_seal(forged, u.bytes -= bytes);
+    smr_replay replay;
+    smr_replay_report report = {0};
+    smr_status status = smr_replay_start(unit_log_begin(&u, NULL), forged, u.bytes, unit_log_input, &u, &replay);
+    while (status == SMR_OK && !report.ended)
+        status = smr_replay_tick(&replay, &report);
+    u.bytes = whole;
+    assert_int_equal(SMR_E_LOG, status);
+    assert_int_equal(u.log[at + bytes], report.record.kind);
+}
+
 /* Other sums of what a force gave, or none, are found at their tick. */
 TEST(test_what_a_force_gave)
 {

@@ -16,7 +16,7 @@ typedef struct log_row {
 
 static const log_row rows[] = {
 #define SMR_GROUP(title)
-#define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, image, text)                               \
+#define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, in_image, text)                            \
     {number, (uint32_t)offsetof(smr_config, path),                                                                     \
      (number) > 0 ? (uint32_t)(sizeof(((smr_config *)NULL)->path) / 4u) : 0u},
 #include "base/settings_config.def"

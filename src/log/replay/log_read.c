@@ -93,7 +93,7 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
 
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
 {
-    uint32_t word[SMR_LOG_WORDS];
+    uint32_t word[SMR_LOG_WORDS] = {0};
     if (reader == NULL || record == NULL)
         return SMR_E_NULL;
     memset(record, 0, sizeof *record);

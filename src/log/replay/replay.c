@@ -91,7 +91,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     case SMR_LOG_FORCE: return smr_set_force(s, given != NULL ? force->force : NULL, given != NULL ? force->ctx : NULL);
     case SMR_LOG_GOALS:
         return smr_set_goals(s, structure, given != NULL ? goals->xyz : NULL, given != NULL ? goals->weights : NULL);
-    case SMR_LOG_MOTION: return smr_set_motion(s, structure, motion->mass, motion->velocity);
+    case SMR_LOG_MOTION:
+        return motion != NULL ? smr_set_motion(s, structure, motion->mass, motion->velocity) : SMR_E_LOG;
     case SMR_LOG_SURFACE: return smr_set_surface(s, structure, given);
     case SMR_LOG_FIXED_SURFACE: return smr_set_fixed(s, record->index, given);
     case SMR_LOG_POINTS: return smr_set_points(s, structure, given);
@@ -123,7 +124,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
 /* Sets an input now, or keeps it for the end of the current iteration. *record: the input, or the one that failed. */
 static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
 {
-    smr_log_record earlier;
+    smr_log_record earlier = *record; /* missing landmarks are found at this record */
     if (of_forces(record->kind) && r->has_forces) {
         if (!r->has_later)
             r->later = *before;
@@ -171,7 +172,7 @@ static smr_status take_tick(smr_replay *r, smr_replay_report *report)
     report->differs = a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
                       a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken ||
                       a->n_forces != b->n_forces || a->checksum != b->checksum;
-    smr_log_record late;
+    smr_log_record late = *recorded;
     const smr_status status = recorded->complete ? set_later(r, &late) : SMR_OK;
     if (status != SMR_OK)
         report->record = late;

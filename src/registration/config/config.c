@@ -12,7 +12,7 @@ smr_config smr_config_default(void)
     memset(c, 0, sizeof *c);
     c->cookie = SMR_COOKIE('R', smr_config);
 #define SMR_GROUP(title)
-#define SMR_SETTING SMR_ROW_DEFAULT
+#define SMR_SETTING(...) SMR_ROW_DEFAULT(__VA_ARGS__)
 #include "base/settings_config.def"
     return config;
 }
@@ -21,7 +21,7 @@ smr_config smr_config_default_image(void)
 {
     smr_config config = smr_config_default(), *const c = &config;
 #define SMR_GROUP(title)
-#define SMR_SETTING SMR_ROW_IMAGE
+#define SMR_SETTING(...) SMR_ROW_IMAGE(__VA_ARGS__)
 #include "base/settings_config.def"
     return config;
 }
