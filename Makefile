@@ -5,13 +5,13 @@
 
 # WITHOUT leaves capabilities out of the library: make WITHOUT="image track". The rest of the tree needs all of them,
 # so this builds the library, the program, which then refuses to run, and the golden run.
-CAPABILITIES := image partial track contact dynamics
+CAPABILITIES := image partial track contact dynamics references
 WITHOUT ?=
 ifneq ($(filter-out $(CAPABILITIES),$(WITHOUT)),)
 $(error WITHOUT takes words of: $(CAPABILITIES))
 endif
 without := $(subst image,IMAGE,$(subst partial,PARTIAL,$(subst track,TRACK,$(subst contact,CONTACT,\
-           $(subst dynamics,DYNAMICS,$(WITHOUT))))))
+           $(subst dynamics,DYNAMICS,$(subst references,REFERENCES,$(WITHOUT)))))))
 
 # BUILD names the build directory, so several compilers can build side by side:
 #   make BUILD=build/clang CC=clang

@@ -46,7 +46,7 @@ typedef enum smr_status {
 const char *smr_status_name(smr_status status);
 
 /* Returns the capabilities that this build leaves out (docs/LINKING.md): "", or words of "image partial track contact
- * dynamics". Calls and settings of a left-out capability get E_CONFIG. */
+ * dynamics references". Calls and settings of a left-out capability get E_CONFIG. */
 const char *smr_built_without(void);
 
 #define SMR_ALIGN 64u             /* bytes: alignment of all memory handed over */
@@ -58,7 +58,8 @@ const char *smr_built_without(void);
 #define SMR_RADII_MAX 16u
 #define SMR_LEVELS_MAX 24u /* priority levels of a model */
 #define SMR_LANDMARKS_MAX 64u
-#define SMR_FIXED_MAX 64u /* fixed surfaces of a registration */
+#define SMR_REFERENCES_MAX 16u /* shapes of a model, its own included */
+#define SMR_FIXED_MAX 64u      /* fixed surfaces of a registration */
 #define SMR_WORKERS_MAX 64u
 #define SMR_ALL 0xffffffffu    /* as a structure: every structure */
 #define SMR_NONE 0xffffffffu   /* as an index: no triangle, or no vertex */
@@ -148,7 +149,8 @@ typedef struct smr_basic_config {
     float even;
 } smr_basic_config;
 
-/* All settings (section 17): basic, image, partial, track, contact, dynamics, caller, forces, motion, schedule. */
+/* All settings (section 17): basic, image, partial, track, contact, dynamics, references, caller, forces, motion,
+ * schedule. */
 typedef struct smr_config smr_config;
 smr_config smr_config_default(void);
 
@@ -387,6 +389,12 @@ enum { SMR_ORDER_FOREST = 0, SMR_ORDER_BREADTH_FIRST = 1 };
 /* Called between pieces of work, `done` of `total` complete. A non-zero result stops the work: SMR_E_ABORTED. */
 typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
+/* Shapes of n further subjects, 0..SMR_REFERENCES_MAX - 1, such as results of registering the model onto them. */
+typedef struct smr_subjects {
+    const float *xyz; /* [n][vertices of all structures in a row][3] mm, within +-SMR_COORD_MAX, in any pose and size */
+    uint32_t n;
+} smr_subjects;
+
 /* Each setting's comment starts with unit, range and default; smr_prepare_settings() returns the settings as data. */
 struct smr_prepare_config {
     uint32_t cookie; /* SMR_COOKIE of this struct; smr_prepare_config_default() sets it */
@@ -413,6 +421,7 @@ struct smr_prepare_config {
     uint32_t block_vertices; /* vertices, 0 or [16, 65536], default 0: by model size. Vertices in a task of sums */
     /* Pointers of the caller that smr_prepare() reads during the call; NULL by default. */
     const smr_volume *reference; /* image that fits the model; the source of intensity profiles */
+    const smr_subjects *also;    /* shapes of further subjects: config.references */
     smr_progress progress;
     void *progress_ctx;
     const smr_port *port; /* threads; NULL: the calling thread alone. The model's bytes do not depend on port */
@@ -438,6 +447,7 @@ typedef struct smr_model_info {
     uint32_t level_end[SMR_LEVELS_MAX]; /* [n_levels]: number of vertices in a level and all levels before it */
     uint32_t order;                     /* SMR_ORDER_... of smr_prepare_config.order */
     uint32_t profile_samples;           /* samples of each intensity profile; 0: no profiles */
+    uint32_t n_references;              /* number of shapes, the model's own included */
     float profile_step_mm;
     uint32_t checksum;
     size_t bytes;
@@ -689,6 +699,17 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
 /* Writes the present places of the landmarks' points to xyz[n][3] mm, in the order set. Errors: E_NULL, E_STATE. */
 smr_status smr_get_landmarks(const smr *s, float *xyz);
 
+/* config.references: models with shapes of further subjects (smr_prepare_config.also). After smr_set_pose(), vertices
+ * that a target does not show follow a convex blend of all shapes; the visible vertices choose the weights. */
+typedef struct smr_references_config {
+    /* factor, [0.01, 1000000], default 30. Strength of the prior that all shapes have equal weights */
+    float prior;
+} smr_references_config;
+
+/* Writes the weights of the last forces' blend, the model's own shape first; 1 and *n = 1 without further shapes.
+ * Errors: E_NULL, E_STATE. */
+smr_status smr_get_reference_weights(const smr *s, float weights[SMR_REFERENCES_MAX], uint32_t *n);
+
 /* ------------------------------------------------------------------ 13. tracking: targets that move */
 enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
 
@@ -938,14 +959,15 @@ typedef struct smr_schedule_config {
 } smr_schedule_config;
 
 struct smr_config {
-    uint32_t cookie;              /* SMR_COOKIE of this struct; smr_config_default() sets it */
-    smr_basic_config basic;       /* what most programs change: section 4 */
-    smr_image_config image;       /* intensity images: section 11 */
-    smr_partial_config partial;   /* partial targets, noise, landmarks: section 12 */
-    smr_track_config track;       /* moving targets: section 13 */
-    smr_contact_config contact;   /* contact, volume and smoothness: section 14 */
-    smr_dynamics_config dynamics; /* mass, velocity and gravity: section 15 */
-    smr_caller_config caller;     /* the caller's own goals and forces: section 16 */
+    uint32_t cookie;                  /* SMR_COOKIE of this struct; smr_config_default() sets it */
+    smr_basic_config basic;           /* what most programs change: section 4 */
+    smr_image_config image;           /* intensity images: section 11 */
+    smr_partial_config partial;       /* partial targets, noise, landmarks: section 12 */
+    smr_track_config track;           /* moving targets: section 13 */
+    smr_contact_config contact;       /* contact, volume and smoothness: section 14 */
+    smr_dynamics_config dynamics;     /* mass, velocity and gravity: section 15 */
+    smr_references_config references; /* shapes of further subjects: section 12 */
+    smr_caller_config caller;         /* the caller's own goals and forces: section 16 */
     smr_forces_config forces;
     smr_motion_config motion;
     smr_schedule_config schedule;
@@ -1188,7 +1210,8 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_ARENA_VOLUME_BYTES(ns) ((size_t)64u + (size_t)64u * (ns)) /* added by contact.volume */
 #define SMR_ARENA_SMOOTH_BYTES(nv) ((size_t)64u + (size_t)4u * (nv))  /* added by contact.smooth */
 #define SMR_ARENA_DYNAMICS_BYTES(nv, ns) ((size_t)2304u + (size_t)48u * (nv) + (size_t)208u * (ns))
-#define SMR_ARENA_CALLER_BYTES(nv, ns) /* added by caller.goals or caller.force */                                     \
+#define SMR_ARENA_REFERENCES_BYTES(n) ((size_t)192u + (size_t)768u * (n)) /* by a model of n shapes */
+#define SMR_ARENA_CALLER_BYTES(nv, ns)                                    /* added by caller.goals or caller.force */  \
     ((size_t)256u + (size_t)16u * (nv) + (size_t)16u * (ns))
 
 /* Bounds of smr_save_bytes(). */
@@ -1200,6 +1223,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv bytes fewer suffice without profiles */
 #define SMR_SAVE_AHEAD_BYTES(ns) ((size_t)4u + (size_t)96u * (ns))   /* added by track.ahead */
 #define SMR_SAVE_DYNAMICS_BYTES(nv, ns) ((size_t)128u + (size_t)40u * (nv) + (size_t)8u * (ns))
+#define SMR_SAVE_REFERENCES_BYTES(n) ((size_t)36u + (size_t)4u * (n))
 #define SMR_SAVE_CONTACT_BYTES(nv, n_fixed) ((size_t)4u * (nv) + (size_t)8u * (n_fixed))
 
 /* Bound of a log of n_ticks ticks, each with the results of a caller's force, and n_sets calls of smr_set_...(), of any

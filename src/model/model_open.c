@@ -5,7 +5,9 @@
 #include "model/model.h"
 
 #define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
-#define SMR_WINDOW 4096u      /* vertices checked at a time for having one entry each, a bit each on the stack */
+#define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of two references along an axis */
+#define SMR_SPREAD_MAX 1.0e12f                    /* largest mean variance of the references' coordinates, mm^2 */
+#define SMR_WINDOW 4096u /* vertices checked at a time for having one entry each, a bit each on the stack */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
@@ -242,7 +244,21 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* Checks that additional sections follow each other. No kind is known yet, so required sections (flags) are refused. */
+/* Checks the shapes of further subjects: as many as the section has bytes for, and each position in range. */
+static int check_references(const smr_model *m, const smr_stored_section *s)
+{
+    const smr_stored_references *r = smr_at(m, s->at);
+    const uint64_t floats = smr_le32(s->bytes) < sizeof *r ? 0u : (smr_le32(s->bytes) - sizeof *r) / sizeof(float);
+    const uint32_t n_others = floats == 0u ? 0u : smr_le32(r->n_others);
+    const uint64_t expected = 3u * (uint64_t)n_others * smr_le32(m->n_vertices);
+    return n_others >= 1u && n_others < SMR_REFERENCES_MAX && r->n_vertices == m->n_vertices && r->zero == 0u &&
+           floats == expected && smr_le32(s->bytes) == sizeof *r + 4u * floats &&
+           floats_within(&r->variance, 1, 0.0f, SMR_SPREAD_MAX) &&
+           floats_within((const uint32_t *)(const void *)(r + 1), (size_t)floats, -SMR_DIFFERENCE_MAX,
+                         SMR_DIFFERENCE_MAX);
+}
+
+/* Checks that additional sections follow each other. Required sections (flags) of unknown kinds are refused. */
 static int check_sections(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_sections);
@@ -257,7 +273,7 @@ static int check_sections(const smr_model *m)
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < n; i++) {
         if (s[i].kind == 0u || s[i].flags != 0u || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
-            smr_le32(s[i].at) < end)
+            smr_le32(s[i].at) < end || (smr_le32(s[i].kind) == SMR_SECTION_REFERENCES && !check_references(m, &s[i])))
             return 0;
         for (uint32_t k = 0; k < i; k++)
             if (s[k].kind == s[i].kind)

@@ -148,6 +148,7 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
         p->separate = radius[i] < separate_below;
         SMR_TRY(write_lists(p, w, head.at_radii + i * sizeof(smr_stored_radius), radius[i], i, n_radii));
     }
+    smr_write_references(p, w, &head);
     smr_put_section(w, 0);
     w->used = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
     if (w->used > UINT32_MAX)

@@ -171,8 +171,16 @@ static smr_status check_inputs(const smr_structure *structures, uint32_t n_struc
     SMR_TRY(smr_arena_start(a, scratch, scratch_bytes));
     if ((uintptr_t)model % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
-    for (uint32_t s = 0; s < n_structures; s++)
+    size_t n = 0;
+    for (uint32_t s = 0; s < n_structures; s++) {
         SMR_TRY(smr_mesh_check(&structures[s].mesh));
+        n += structures[s].mesh.n_vertices;
+    }
+    const smr_subjects *also = config->also;
+    if (also != NULL && also->n > 0u)
+        SMR_TRY(also->xyz == NULL ? SMR_E_NULL : SMR_OK);
+    if (also != NULL && (also->n >= SMR_REFERENCES_MAX || !smr_all_within(also->xyz, 3u * n * also->n, SMR_COORD_MAX)))
+        return SMR_E_INPUT;
     return needed > scratch_bytes ? SMR_E_ARENA : SMR_OK;
 }
 

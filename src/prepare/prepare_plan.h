@@ -218,6 +218,8 @@ void smr_put16(smr_writer *w, size_t at, uint32_t value);
 void smr_put32(smr_writer *w, size_t at, uint32_t value);
 /* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns the section's offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
+/* Appends the shapes of further subjects as a section of the model. Without any, writes nothing. */
+void smr_write_references(const smr_plan *p, smr_writer *w, struct smr_model *head);
 /* Writes the whole model except the checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
 

@@ -139,6 +139,8 @@ static void print_info(const host_model *model, int prepared_here)
     for (uint32_t i = 0; i < model->n_parts; i++)
         (void)printf("structure %-32s vertices %6u  triangles %6u\n", model->part[i].name,
                      model->part[i].mesh.n_vertices, model->part[i].mesh.n_triangles);
+    if (info->n_references > 1)
+        (void)printf("references %u\n", info->n_references);
     (void)printf("order %s\n", info->order == SMR_ORDER_FOREST ? "forest" : "breadth-first");
     for (uint32_t i = 0; i < info->n_radii; i++)
         (void)printf("radius %8.3f mm  indexes per cluster %8.2f  direct %8.2f  largest %5u  smallest %4u  blocks %4u  "

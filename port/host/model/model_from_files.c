@@ -241,14 +241,17 @@ static int check_reference(const host_model *model, const char *path, const smr_
     return 0;
 }
 
-/* With the profiles of the reference image, if there is one. */
+/* With the profiles of the reference image and further subjects' shapes, if there are any. */
 static int prepare_with(host_model *model, const host_options *options, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = options->prepare;
     host_image reference = {0};
-    int result = 0;
+    host_mesh also = {0};
+    int result = host_also_read(model, &options->also, &also, error);
     config.port = port;
-    if (options->reference != NULL) {
+    const smr_subjects subjects = {also.xyz, options->also.n};
+    config.also = &subjects;
+    if (result == 0 && options->reference != NULL) {
         result = host_image_read(options->reference, options->mirror_model, &reference, error);
         config.reference = &reference.view;
     }
@@ -257,6 +260,7 @@ static int prepare_with(host_model *model, const host_options *options, const sm
     if (result == 0)
         result = host_model_prepare(model, &config, error);
     host_image_free(&reference);
+    host_mesh_free(&also);
     return result;
 }
 

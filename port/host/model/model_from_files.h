@@ -34,6 +34,9 @@ int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error 
 /* Prepares the parts into a model and opens it. */
 int host_model_prepare(host_model *model, const smr_prepare_config *config, host_error *error);
 
+/* Appends the vertices of results of the model, directory after directory. 0, or -1 with the error filled. */
+int host_also_read(const host_model *model, const host_files *directories, host_mesh *all, host_error *error);
+
 /* All of the above, for a command that only needs a model. */
 int host_model_load(const host_files *files, const host_options *options, const smr_port *port, host_model *model,
                     host_error *error);

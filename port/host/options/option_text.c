@@ -17,6 +17,10 @@ static const struct {
     {"--model", ONTO, "FILE...", "surfaces of the model, a structure each, or one prepared .smr"},
     {"--model", HOST_BENCH, "FILE...", "surfaces or a .smr, in place of the computed thigh"},
     {"--model", 0, "FILE...", "surfaces of the model, a structure each"},
+    {"--also", 0, "DIR...",
+     "results of registering the model onto further subjects, files named alike: what a target does not show follows a "
+     "blend of all shapes"},
+    {"--reference-prior", 0, "X", "strength of the prior that all shapes of --also have equal weights"},
     {"--target", HOST_BENCH, "FILE...", "what they are registered to: surfaces, or one volume"},
     {"--target", 0, "FILE...",
      "surfaces, clouds of points or one volume; several find their structures by name, one serves all"},

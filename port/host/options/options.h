@@ -43,6 +43,7 @@ typedef struct host_options {
     host_files model, target, operands;
     host_files landmarks;               /* no files, or the model's and the target's */
     host_files frames;                  /* of a moving target: files or directories */
+    host_files also;                    /* directories: shapes of further subjects */
     host_files contact_with;            /* surfaces that structures are kept out of */
     uint32_t contact;                   /* 1: structures are kept out of each other */
     host_files landmark_goals;          /* likewise: places that points of the model are drawn to */

@@ -184,8 +184,8 @@ static int wants_paper(int argc, char **argv)
 /* A summary is of as many results as there are; others take as many as a model has structures. */
 static uint32_t operands_most(int verb, int argc) { return verb == HOST_SUMMARY ? (uint32_t)argc : SMR_STRUCTURES_MAX; }
 
-static const size_t lists[] = {OF(model),  OF(target),       OF(operands),       OF(landmarks),
-                               OF(frames), OF(volume_ratio), OF(landmark_goals), OF(contact_with)};
+static const size_t lists[] = {OF(model),        OF(target),         OF(operands),     OF(landmarks), OF(frames),
+                               OF(volume_ratio), OF(landmark_goals), OF(contact_with), OF(also)};
 
 #define N_LISTS (sizeof lists / sizeof lists[0])
 

@@ -15,6 +15,8 @@
 
 const host_option host_option_table[] = {
     {"--model", ONTO | HOST_BUILD | HOST_BENCH, HOST_KIND_FILES, OWN(model), 0, 0, 0, 0, NULL, 0},
+    {"--also", HOST_BUILD, HOST_KIND_FILES, OWN(also), 0, 0, 0, 1, NULL, 0},
+    {"--reference-prior", ONTO, HOST_KIND_FLOAT, CONFIG(references.prior), LIBRARY, 0, NULL, 0},
     {"--target", HOST_REGISTER | HOST_BENCH, HOST_KIND_FILES, OWN(target), 0, 0, 0, 0, NULL, 0},
     {"--frames", HOST_TRACK, HOST_KIND_FILES, OWN(frames), 0, 0, 0, 0, NULL, 0},
     {"--fps", HOST_TRACK, HOST_KIND_DOUBLE, OWN(fps), 0, 1e6, 1, 0, NULL, 0},

@@ -12,23 +12,31 @@
 #define SMR_LOG_FRAME 8u          /* bytes of a record besides its content: head and checksum, a word each */
 #define SMR_LOG_WORDS 12u         /* 32-bit words of the largest content of a record */
 
-/* Words of the configuration: for each setting a head and its value. budget_exact is written only where it is 1, so
- * that all other logs and saves are as they were before that setting. */
+/* Words of the configuration: for each setting a head and its value. budget_exact and reference_prior are written only
+ * where they differ from the default, so that all other logs and saves are as they were before these settings. */
 enum {
-    SMR_LOG_EXACT_WORDS = 2,
-    SMR_LOG_CONFIG_WORDS = -SMR_LOG_EXACT_WORDS
+    SMR_LOG_PRIOR = 54, /* number of reference_prior */
+    SMR_LOG_EXACT = 77, /* number of budget_exact */
+    SMR_LOG_LATE_WORDS = 2,
+    SMR_LOG_CONFIG_WORDS = -2 * SMR_LOG_LATE_WORDS
 #define SMR_GROUP(title)
 #define SMR_SETTING(kind, number, path, ...) +((number) > 0 ? 1 + (int)(sizeof(((smr_config *)NULL)->path) / 4u) : 0)
 #include "base/settings_config.def"
 };
 
-#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header without budget_exact */
+#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header with defaults */
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
+
+static inline int smr_log_has_prior(const smr_config *c)
+{
+    return c->references.prior != smr_config_default().references.prior;
+}
 
 /* Returns the number of 32-bit words that this configuration takes in a log or a save. */
 static inline uint32_t smr_log_config_words(const smr_config *config)
 {
-    return (uint32_t)SMR_LOG_CONFIG_WORDS + (config->basic.budget_exact ? (uint32_t)SMR_LOG_EXACT_WORDS : 0u);
+    const uint32_t n_late = (config->basic.budget_exact != 0u) + (uint32_t)smr_log_has_prior(config);
+    return (uint32_t)SMR_LOG_CONFIG_WORDS + n_late * (uint32_t)SMR_LOG_LATE_WORDS;
 }
 
 uint32_t smr_log_words(uint32_t kind); /* words of a record's content; 0: unknown kind */

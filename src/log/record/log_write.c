@@ -6,7 +6,7 @@
 #include "log/record/log_format.h"
 
 _Static_assert(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) == 2u * SMR_LOG_FRAME + 4u * (8u + 3u), "a tick and a force");
-_Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + 4u * SMR_LOG_EXACT_WORDS + SMR_LOG_FULL_BYTES, "a header");
+_Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + 8u * SMR_LOG_LATE_WORDS + SMR_LOG_FULL_BYTES, "a header");
 
 uint32_t smr_log_words(uint32_t kind)
 {

@@ -10,6 +10,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
+#include "options/references/references.h"
 
 #define SMR_FIELD_LENGTH 0.4f  /* length of the kernel / diagonal of the model's box */
 #define SMR_FIELD_NORMAL 0.02f /* noise variance of a control along its normal / variance of the field */
@@ -42,7 +43,7 @@ size_t smr_occluded_field_words(const smr_shared *shared)
     if (shared->config.partial.n_landmarks == 0u && shared->config.partial.coverage == SMR_COVERAGE_WHOLE &&
         !smr_follows_images(shared))
         return 0;
-    return (9u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
+    return (9u + SMR_FIELD_MOTIONS + smr_reference_count(shared->model)) * most + SMR_FACTOR_WORDS(most);
 }
 
 void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
@@ -54,7 +55,8 @@ void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
     f->residual = f->noise_variance + f->most;
     f->whitened = f->residual + f->most;
     f->motion = f->whitened + f->most;
-    f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
+    f->mode = f->motion + SMR_FIELD_MOTIONS * f->most;
+    f->lower = f->mode + smr_reference_count(f->shared->model) * f->most;
 }
 
 /* Returns 1 when visible vertices must be counted for the field; otherwise smr_target.n_visible holds their number. */
@@ -140,6 +142,7 @@ static void begin(smr_occluded_field *f, uint32_t n)
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
     f->rough = f->rough_noise = 0.0f;
+    f->n_modes = 0;
     f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
     smr_fit_start(&fit, middle, middle);
     add_landmarks(f, &fit);
@@ -197,7 +200,8 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
     const smr_vec from = smr_get3(smr_field_start(f), v), x = smr_get3(f->shape->x, v);
     if (f->n == 0u)
         return smr_v(0, 0, 0);
-    smr_vec to = smr_pose_apply(&f->pose, from);
+    const int blends = smr_blends(f->shape) && f->n_modes > 0u;
+    smr_vec to = smr_pose_apply(&f->pose, blends ? smr_add(from, smr_reference_blend(f->shape->references, v)) : from);
     for (uint32_t k = 0; k < f->n; k++)
         to = smr_add(to,
                      smr_scale(smr_get3(f->coefficient, k), smr_field_with_control(f, from, k, smr_field_hard(f, k))));

@@ -11,6 +11,7 @@
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
+#include "options/references/references.h"
 
 #define SMR_GOLDEN 2654435769u    /* 2^32 times the golden ratio's fractional part, whose multiples spread evenly */
 #define SMR_FIELD_TURN 3u         /* number of positions by which the order of vertices shifts in each iteration */
@@ -93,6 +94,31 @@ static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIO
     return sum;
 }
 
+/* Returns the array [n_modes] of displacements along the normal of control k by each reference's difference. */
+static float *modes(const smr_occluded_field *f, uint32_t k) { return f->mode + (size_t)f->n_modes * k; }
+
+/* Decides whether weights of references are solved for, and their prior variance, in the frame of the pose. */
+static void begin_modes(smr_occluded_field *f)
+{
+    const smr_vec first = smr_column(&f->pose, 0);
+    const smr_references *r = f->shape->references;
+    if (f->schedule->tracking)
+        return;
+    f->n_modes = r->n;
+    f->mode_variance = smr_reference_variance(r, f->shared->config.references.prior) / smr_dot(first, first);
+}
+
+/* Sets the references' weights by the solved coefficients f->residual. */
+static void end_modes(const smr_occluded_field *f)
+{
+    float change[SMR_REFERENCES_MAX] = {0};
+    for (uint32_t k = 0; k < f->n; k++)
+        for (uint32_t i = 0; i < f->n_modes; i++)
+            change[i] += f->mode_variance * f->residual[k] * modes(f, k)[i];
+    if (f->n_modes > 0u)
+        smr_reference_choose(f->shape->references, change);
+}
+
 /* Sets f->back, the motions from the pose back to the start; while targets are tracked, only the change of size. */
 static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
 {
@@ -111,6 +137,8 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
     const float inverse = SMR_SQRT(f->per_length2);
     f->middle = smr_pose_apply(&f->pose, middle);
     find_motion_to_start(f, middle);
+    if (smr_blends(f->shape))
+        begin_modes(f);
     for (uint32_t k = 0; k < f->n; k++) {
         const smr_vec n = smr_get3(f->shape->normal, control[k]);
         const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->start, k));
@@ -119,6 +147,8 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
+        if (smr_blends(f->shape) && f->n_modes > 0u)
+            smr_reference_modes(f->shape->references, control[k], smr_pose_turn_back(&f->pose, n), modes(f, k));
         const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, control[k])];
         const int in_image = smr_field_of_part(f) && target->surface == NULL;
         const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, control[k]);
@@ -131,7 +161,10 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel)
 {
     const float *const a = motions(f, i), *const b = motions(f, j);
-    return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
+    float sum = kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
+    for (uint32_t m = 0; SMR_HAS_REFERENCES && m < f->n_modes; m++)
+        sum += f->mode_variance * modes(f, i)[m] * modes(f, j)[m];
+    return sum;
 }
 
 /* Returns v rotated by the Cayley parameter `half`: tan(angle / 2) times the unit axis. Any length is a rotation. */
@@ -164,6 +197,8 @@ void smr_field_normals_end(smr_occluded_field *f)
     float *const sum = f->back;
     smr_solve_forward(f->lower, f->n, f->residual);
     smr_solve_back(f->lower, f->n, f->residual);
+    if (smr_blends(f->shape))
+        end_modes(f);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->coefficient, k);
         for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)

@@ -138,6 +138,7 @@ typedef struct smr_occluded_field {
     float *lower;          /* [SMR_FACTOR_WORDS(most)] rows of the Cholesky factor; before: the choice of controls */
     float *noise_variance; /* [most] noise variance of each control */
     float *motion;         /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion */
+    float *mode;           /* [most][n_modes] displacement along a control's normal by each reference's difference */
     float *whitened;       /* [most] residual i given those before, in standard deviations: the current try */
     float *residual;       /* [most] goal minus posed start along the normal, mm; after the solution: coefficient */
     float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; after the fit, to the fitted pose */
@@ -148,6 +149,8 @@ typedef struct smr_occluded_field {
     smr_pose pose;                 /* pose that fits the controls' start positions to present ones */
     float per_length2;             /* 1 / (length of the kernel)^2, 1 / mm^2 */
     float rough, per_rough2;       /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
+    uint32_t n_modes;              /* number of references whose weights are solved for; 0: no weights */
+    float mode_variance;           /* prior variance of a weight / variance of the field, 1 / mm^2 */
     float motion_variance;         /* variance of the seven motions / variance of the field */
     float rough_noise;             /* noise variance that the short term adds to each control */
     float likelihood;              /* 2 log2(likelihood) of the likeliest roughness tried so far */

@@ -1,5 +1,6 @@
 /* get_results.c: reads positions, normals, reports and the state of the log.
  * SPDX-License-Identifier: MIT */
+#include "options/references/references.h"
 #include "registration/registration.h"
 
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
@@ -21,6 +22,18 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz)
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 {
     return smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
+}
+
+smr_status smr_get_reference_weights(const smr *s, float weights[SMR_REFERENCES_MAX], uint32_t *n)
+{
+    SMR_TRY(weights == NULL || n == NULL ? SMR_E_NULL : smr_readable(s, 0, n));
+    *n = 1;
+    weights[0] = 1.0f;
+    if (smr_blends(&s->shape)) {
+        *n = s->shape.references->n;
+        memcpy(weights, s->shape.references->weight, *n * sizeof *weights);
+    }
+    return SMR_OK;
 }
 
 /* Fills in the results of a structure's last complete forces. */

@@ -3,6 +3,7 @@
  * known to be large enough, and lists the values of smr_save() and smr_restore().
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
+#include "options/references/references.h"
 #include "registration/config/config.h"
 #include "registration/api/setup.h"
 
@@ -49,6 +50,8 @@ smr *smr_layout(smr_arena *a, smr *s)
         smr_track_rest_layout(a, &s->shape, shared);
     if (SMR_HAS_DYNAMICS)
         smr_dynamics_layout(a, &s->shape.dynamics, shared);
+    if (SMR_HAS_REFERENCES)
+        smr_references_layout(a, &s->shape.references, shared);
     smr_forces_layout(a, &s->forces, shared);
     smr_reference_layout(a, &s->reference, shared);
     smr_match_layout(a, &s->match, shared);

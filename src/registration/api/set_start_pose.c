@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
+#include "options/references/references.h"
 #include "registration/schedule_radius.h"
 #include "registration/api/setup.h"
 
@@ -21,8 +22,8 @@ static void centre_origin(smr *s)
     s->shape.origin = smr_add(s->shape.origin, shift);
 }
 
-/* Sets everything that follows from the start positions in x. */
-static void start_here(smr *s)
+/* Sets everything that follows from the start positions in x. posed 1: x is the rest shape in a pose. */
+static void start_here(smr *s, int posed)
 {
     smr_shape *shape = &s->shape;
     const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
@@ -30,7 +31,9 @@ static void start_here(smr *s)
     const smr_mesh mesh = {shape->x, s->shared.triangle, s->shared.n, s->shared.n_triangles};
     smr_rest_pose_now(shape);
     memcpy(shape->start, shape->x, bytes);
-    shape->start_box = smr_box_of(shape->x, s->shared.n);
+    if (smr_blends(shape))
+        smr_references_start(shape, posed);
+    shape->start_box = smr_box_of(shape->start, s->shared.n);
     memcpy(shape->x_ref, shape->x, bytes);
     memset(s->forces.force, 0, bytes);
     memset(s->folds.marked, 0, s->shared.n);
@@ -68,7 +71,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     turn.m[0][3] = turn.m[1][3] = turn.m[2][3] = 0.0f;
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_put3(s->shape.x, v, smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
-    start_here(s);
+    start_here(s, 1);
     smr_log_note(&s->log, SMR_LOG_POSE, 0, pose, 0);
     return SMR_OK;
 }
@@ -85,7 +88,7 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         smr_put3(s->shape.x, v, smr_sub(smr_get3(xyz, i), s->shape.origin));
     }
-    start_here(s);
+    start_here(s, 0);
     smr_log_note(&s->log, SMR_LOG_POSITIONS, structure, xyz, one->n_vertices);
     return SMR_OK;
 }

@@ -114,6 +114,9 @@ const char *smr_built_without(void)
 #ifdef SMR_WITHOUT_DYNAMICS
                                 " dynamics"
 #endif
+#ifdef SMR_WITHOUT_REFERENCES
+                                " references"
+#endif
         ;
     return words[0] == ' ' ? words + 1 : words;
 }
@@ -143,6 +146,9 @@ int smr_config_left_out(const smr_config *c)
 #ifdef SMR_WITHOUT_DYNAMICS
     differs |= SMR_DIFFERS(dynamics);
 #endif
+#ifdef SMR_WITHOUT_REFERENCES
+    differs |= SMR_DIFFERS(references);
+#endif
     return differs;
 }
 
@@ -151,5 +157,9 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
     const int legal = c->cookie == SMR_COOKIE('R', smr_config) &&
                       smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]) && !smr_config_left_out(c) &&
                       fields_agree(c, smr_le32(m->n_radii));
+#ifdef SMR_WITHOUT_REFERENCES
+    if (smr_reference_count(m) > 0u)
+        return SMR_E_CONFIG;
+#endif
     return legal ? SMR_OK : SMR_E_CONFIG;
 }

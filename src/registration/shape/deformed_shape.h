@@ -9,6 +9,7 @@
 #include "registration/shape/schedule_state.h"
 
 struct smr_dynamics;
+struct smr_references;
 
 typedef struct smr_shape_structure {
     uint32_t first_vertex, n_vertices; /* range of vertices in the caller's numbering */
@@ -58,7 +59,8 @@ typedef struct smr_shape {
     float *image_x;             /* [n][3] x when the tracked image became outdated, mm; NULL: images are not tracked */
     smr_pose *track_pose;       /* [n_structures] rigid pose of each structure, from track_rest_x to x */
     smr_pose *track_pose_last;  /* [n_structures] track_pose when targets were set last; NULL: nothing is predicted */
-    struct smr_dynamics *dynamics; /* velocities and masses of dynamics; NULL: no dynamics */
+    struct smr_dynamics *dynamics;     /* velocities and masses of dynamics; NULL: no dynamics */
+    struct smr_references *references; /* further subjects' shapes; NULL: none. With some, `start` is a blend */
     /* [n][3] start positions of a sweep of dynamics, mm, until evolve, in the memory of x_next; NULL: x */
     float *from;
 } smr_shape;
