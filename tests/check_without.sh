@@ -1,14 +1,14 @@
 #!/bin/sh
-# check_without: each capability left out, and all five: the library builds, refuses what it must, and its runs keep their bits.
+# check_without: each capability left out, and all six: the library builds, refuses what it must, and its runs keep their bits.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... CC=... check_without.sh
 # The golden run prints "-" for a run that needs what is left out, and ends with 2; every other word is as expected. With a
-# compiler and an emulator for Cortex-M7 the golden run without all five is run there, too.
+# compiler and an emulator for Cortex-M7 the golden run without all six is run there, too.
 set -u
 . tests/checks.inc
 need_plain
 [ "${SMR_AGAIN:-0}" = 0 ] || { echo "skip: checked with the first compiler"; exit 77; }
-capabilities='image partial track contact dynamics'
+capabilities='image partial track contact dynamics references'
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 
 # make_without DIR WORDS TARGET...: a build in $build/without/DIR, with -O1, which compiles sooner.
@@ -33,11 +33,11 @@ $cc -std=c11 -Wall -Wextra -O1 -Iinclude tests/without/refusals.c "$build/libsmr
 check 'the whole library refuses nothing' "$tmp/whole" check "$tmp/saved"
 # `make size` compiles the sources one by one without each capability; as one source they compile in half of the time.
 env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation || { not_ok 'the amalgamation'; finish; }
-all_five=$build/without/$(echo "$capabilities" | tr ' ' -)
+all_six=$build/without/$(echo "$capabilities" | tr ' ' -)
 for words in $capabilities "$capabilities"; do
     if [ "$words" = "$capabilities" ]; then
-        library=$all_five/libsmr.a golden=$all_five/golden
-        make_without "$(basename "$all_five")" "$words" "$library" "$golden" >"$tmp/make" 2>&1
+        library=$all_six/libsmr.a golden=$all_six/golden
+        make_without "$(basename "$all_six")" "$words" "$library" "$golden" >"$tmp/make" 2>&1
     else
         library=$tmp/part.o golden=$tmp/golden_run
         # shellcheck disable=SC2046
@@ -54,16 +54,17 @@ for words in $capabilities "$capabilities"; do
     check "$words: refusals" "$tmp/part" check "$tmp/saved" $words
 done
 
-check 'the program builds' make_without "$(basename "$all_five")" "$capabilities" CFLAGS=-O0 "$all_five/smr"
-"$all_five/smr" info x >"$tmp/said" 2>&1
+check 'the program builds' make_without "$(basename "$all_six")" "$capabilities" CFLAGS=-O0 "$all_six/smr"
+"$all_six/smr" info x >"$tmp/said" 2>&1
 check 'the program ends with 2' [ $? -eq 2 ]
 check 'the program says what it was built without' grep -qx "smr: built without $capabilities" "$tmp/said"
 for o in -O0 -O2; do
-    check "amalgamation without all five, $o" $cc -std=c11 -Wall -Wextra -Werror $o -ffp-contract=off -fno-math-errno \
+    check "amalgamation without all six, $o" $cc -std=c11 -Wall -Wextra -Werror $o -ffp-contract=off -fno-math-errno \
         -DSMR_WITHOUT_IMAGE -DSMR_WITHOUT_PARTIAL -DSMR_WITHOUT_TRACK -DSMR_WITHOUT_CONTACT -DSMR_WITHOUT_DYNAMICS \
+        -DSMR_WITHOUT_REFERENCES \
         "$build/amalgamation/smr.c" tests/without/refusals.c -Iinclude -lm -o "$tmp/one"
     # shellcheck disable=SC2086
-    check "amalgamation without all five, $o: refusals" "$tmp/one" check "$tmp/saved" $capabilities
+    check "amalgamation without all six, $o: refusals" "$tmp/one" check "$tmp/saved" $capabilities
 done
 
 # CMake's options.
@@ -85,7 +86,7 @@ if [ "${SMR_NO_BOARDS:-0}" = 1 ] || [ -z "${M7_CFLAGS:-}" ] || ! have arm-none-e
     skip 'Cortex-M7' 'needs arm-none-eabi-gcc and qemu-system-arm'
 else
     board=$build/without/m7
-    check 'Cortex-M7 without all five builds' env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$board" \
+    check 'Cortex-M7 without all six builds' env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$board" \
         CC=arm-none-eabi-gcc AR=arm-none-eabi-ar CFLAGS="$M7_CFLAGS -O2 -DSMR_BAREMETAL" WITHOUT="$capabilities" \
         "$board/golden_m7.elf"
     timeout 300 qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none \

@@ -20,7 +20,8 @@ _Static_assert(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16, "float arithmetic 
 _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754 binary32");
 
 #define SMR_SQRT(x) __builtin_sqrtf(x)
-#define SMR_UNUSED __attribute__((unused)) /* marks a parameter that the function type demands but nothing reads */
+#define SMR_SHARED __attribute__((noinline)) /* marks a function with many callers, of which copies would take room */
+#define SMR_UNUSED __attribute__((unused))   /* marks a parameter that the function type demands but nothing reads */
 
 /* Makes the calling function return the status of `call`, unless it is SMR_OK. */
 #define SMR_TRY(call)                                                                                                  \

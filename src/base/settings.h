@@ -6,6 +6,8 @@
 
 #include "base/base.h"
 
+#define SMR_PRIOR 100.0f /* default of references.prior */
+
 enum { SMR_ENDS_CLOSED = 0, SMR_ENDS_OPEN, SMR_ENDS_OR_ZERO };
 
 /* The range of legal values of a setting that is one float or one uint32_t. */

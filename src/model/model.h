@@ -49,15 +49,9 @@ typedef struct smr_stored_section {
     uint32_t at, bytes; /* offset, behind the previous section; size in bytes */
 } smr_stored_section;
 
-#define SMR_SECTION_REFERENCES 1u /* kind: shapes of further subjects: smr_stored_references and differences */
-
-/* Behind it: float [n_others][n_vertices][3], mm: a further shape, after its similarity onto the model's, minus that. */
-typedef struct smr_stored_references {
-    uint32_t n_others, n_vertices; /* number of further shapes, 1 .. SMR_REFERENCES_MAX - 1; as in the header */
-    uint32_t variance;             /* float, mm^2: mean variance of a coordinate over all shapes */
-    uint32_t zero;
-} smr_stored_references;
-
+/* Kind: shapes of several subjects, the model's own first: float [2 .. SMR_REFERENCES_MAX][n_vertices][3], mm: each
+ * shape, after its similarity onto the model's own, minus the mean of all shapes. */
+#define SMR_SECTION_REFERENCES 1u
 #define SMR_SECTIONS_MAX 64u    /* largest number of additional sections of a model */
 #define SMR_SECTION_REQUIRED 1u /* flag of a section: a library that does not know the kind refuses the model */
 
@@ -176,14 +170,13 @@ static inline const smr_stored_radius *smr_model_radius(const smr_model *m, uint
 /* Returns 1 when each cluster of radius number i contains vertices of one structure only. */
 static inline int smr_model_separate(const smr_model *m, uint32_t i) { return smr_model_radius(m, i)->separate != 0u; }
 
-/* Returns the shapes of further subjects, or NULL. */
-const smr_stored_references *smr_model_references(const smr_model *m);
+/* Returns the section of several subjects' shapes, or NULL. */
+const smr_stored_section *smr_model_references(const smr_model *m);
 
-/* Returns the number of shapes that weights are solved for; 0: the model's own alone. */
-static inline uint32_t smr_reference_count(const smr_model *m)
+/* Returns the number of shapes in a section of references; 0 without one. */
+static inline uint32_t smr_reference_count(const smr_model *m, const smr_stored_section *s)
 {
-    const smr_stored_references *r = smr_model_references(m);
-    return r == NULL ? 0u : smr_le32(r->n_others) + 1u;
+    return s == NULL ? 0u : smr_le32(s->bytes) / (12u * smr_le32(m->n_vertices));
 }
 
 /* Returns the origin of rest positions, mm. */

@@ -5,12 +5,11 @@
 #include "model/model.h"
 
 #define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
-#define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of two references along an axis */
-#define SMR_SPREAD_MAX 1.0e12f                    /* largest mean variance of the references' coordinates, mm^2 */
+#define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of a reference from the mean shape */
 #define SMR_WINDOW 4096u /* vertices checked at a time for having one entry each, a bit each on the stack */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
-static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
+SMR_SHARED static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
 {
     uint64_t at = smr_le32(stored_offset), bytes = smr_le32(m->bytes);
     return at % SMR_ALIGN == 0u && at >= sizeof *m && count <= bytes && at + count * size <= bytes;
@@ -33,7 +32,7 @@ static int check_structures(const smr_model *m)
     return vertices == smr_le32(m->n_vertices) && triangles == smr_le32(m->n_triangles);
 }
 
-static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
+SMR_SHARED static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
 {
     int legal = 1;
     for (size_t i = 0; i < n; i++)
@@ -42,7 +41,7 @@ static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
 }
 
 /* Returns 1 when all n indexes of the list, each `width` bytes wide, are below `limit`. */
-static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
+SMR_SHARED static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
 {
     int legal = 1;
     for (size_t i = 0; i < n; i++)
@@ -244,18 +243,13 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* Checks the shapes of further subjects: as many as the section has bytes for, and each position in range. */
+/* Checks the differences of several shapes. */
 static int check_references(const smr_model *m, const smr_stored_section *s)
 {
-    const smr_stored_references *r = smr_at(m, s->at);
-    const uint64_t floats = smr_le32(s->bytes) < sizeof *r ? 0u : (smr_le32(s->bytes) - sizeof *r) / sizeof(float);
-    const uint32_t n_others = floats == 0u ? 0u : smr_le32(r->n_others);
-    const uint64_t expected = 3u * (uint64_t)n_others * smr_le32(m->n_vertices);
-    return n_others >= 1u && n_others < SMR_REFERENCES_MAX && r->n_vertices == m->n_vertices && r->zero == 0u &&
-           floats == expected && smr_le32(s->bytes) == sizeof *r + 4u * floats &&
-           floats_within(&r->variance, 1, 0.0f, SMR_SPREAD_MAX) &&
-           floats_within((const uint32_t *)(const void *)(r + 1), (size_t)floats, -SMR_DIFFERENCE_MAX,
-                         SMR_DIFFERENCE_MAX);
+    const uint32_t n = smr_reference_count(m, s);
+    const size_t floats = 3u * (size_t)n * smr_le32(m->n_vertices);
+    return n >= 2u && n <= SMR_REFERENCES_MAX && smr_le32(s->bytes) == sizeof(float) * floats &&
+           floats_within(smr_at(m, s->at), floats, -SMR_DIFFERENCE_MAX, SMR_DIFFERENCE_MAX);
 }
 
 /* Checks that additional sections follow each other. Required sections (flags) of unknown kinds are refused. */

@@ -20,12 +20,12 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
                        .reach = smr_le_float(r->reach)};
 }
 
-const smr_stored_references *smr_model_references(const smr_model *m)
+const smr_stored_section *smr_model_references(const smr_model *m)
 {
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < smr_le32(m->n_sections); i++)
         if (smr_le32(s[i].kind) == SMR_SECTION_REFERENCES)
-            return smr_at(m, s[i].at);
+            return &s[i];
     return NULL;
 }
 
@@ -41,7 +41,7 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
     smr_store(info->centre, smr_model_centre(model));
     info->edge_mm = smr_le_float(model->edge_mm);
     info->order = smr_le32(model->order);
-    info->n_references = smr_max_u32(smr_reference_count(model), 1u);
+    info->n_references = smr_max_u32(smr_reference_count(model, smr_model_references(model)), 1u);
     info->profile_samples = smr_le32(model->profile_samples);
     info->profile_step_mm = smr_le_float(model->profile_step);
     info->checksum = smr_le32(model->checksum);

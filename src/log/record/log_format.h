@@ -3,6 +3,7 @@
 #ifndef SMR_LOG_FORMAT_H
 #define SMR_LOG_FORMAT_H
 
+#include "base/settings.h"
 #include "geometry/surface/surface.h"
 #include "registration/shape/schedule_state.h"
 
@@ -27,10 +28,7 @@ enum {
 #define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header with defaults */
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
 
-static inline int smr_log_has_prior(const smr_config *c)
-{
-    return c->references.prior != smr_config_default().references.prior;
-}
+static inline int smr_log_has_prior(const smr_config *c) { return c->references.prior != SMR_PRIOR; }
 
 /* Returns the number of 32-bit words that this configuration takes in a log or a save. */
 static inline uint32_t smr_log_config_words(const smr_config *config)

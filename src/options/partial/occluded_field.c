@@ -43,7 +43,7 @@ size_t smr_occluded_field_words(const smr_shared *shared)
     if (shared->config.partial.n_landmarks == 0u && shared->config.partial.coverage == SMR_COVERAGE_WHOLE &&
         !smr_follows_images(shared))
         return 0;
-    return (9u + SMR_FIELD_MOTIONS + smr_reference_count(shared->model)) * most + SMR_FACTOR_WORDS(most);
+    return (9u + SMR_FIELD_MOTIONS + shared->n_references) * most + SMR_FACTOR_WORDS(most);
 }
 
 void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
@@ -55,8 +55,8 @@ void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay)
     f->residual = f->noise_variance + f->most;
     f->whitened = f->residual + f->most;
     f->motion = f->whitened + f->most;
-    f->mode = f->motion + SMR_FIELD_MOTIONS * f->most;
-    f->lower = f->mode + smr_reference_count(f->shared->model) * f->most;
+    f->n_motions = SMR_FIELD_MOTIONS + f->shared->n_references;
+    f->lower = f->motion + f->n_motions * f->most;
 }
 
 /* Returns 1 when visible vertices must be counted for the field; otherwise smr_target.n_visible holds their number. */
@@ -141,8 +141,7 @@ static void begin(smr_occluded_field *f, uint32_t n)
     const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
-    f->rough = f->rough_noise = 0.0f;
-    f->n_modes = 0;
+    f->rough = f->rough_noise = f->unit = 0.0f;
     f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
     smr_fit_start(&fit, middle, middle);
     add_landmarks(f, &fit);
@@ -151,7 +150,7 @@ static void begin(smr_occluded_field *f, uint32_t n)
     if (f->by_normals)
         smr_field_normals_begin(f, choice(f)->control, middle);
     for (uint32_t k = 0; !f->by_normals && k < f->n; k++) {
-        const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->start, k));
+        const smr_vec posed = smr_field_posed(f, smr_get3(f->start, k));
         smr_put3(f->coefficient, k, smr_sub(smr_get3(f->coefficient, k), posed));
     }
 }
@@ -200,8 +199,10 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
     const smr_vec from = smr_get3(smr_field_start(f), v), x = smr_get3(f->shape->x, v);
     if (f->n == 0u)
         return smr_v(0, 0, 0);
-    const int blends = smr_blends(f->shape) && f->n_modes > 0u;
-    smr_vec to = smr_pose_apply(&f->pose, blends ? smr_add(from, smr_reference_blend(f->shape->references, v)) : from);
+    smr_vec at = from;
+    if (smr_blends(f->shape) && f->unit > 0.0f)
+        at = smr_add(at, smr_reference_blend(f->shape, v, 0, f->shared->n_references, f->shape->references->more));
+    smr_vec to = smr_field_posed(f, at);
     for (uint32_t k = 0; k < f->n; k++)
         to = smr_add(to,
                      smr_scale(smr_get3(f->coefficient, k), smr_field_with_control(f, from, k, smr_field_hard(f, k))));

@@ -61,8 +61,10 @@ float smr_field_normals_step(const smr_occluded_field *f)
     return smr_at_last_radius(f->shared, f->schedule) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
 }
 
-/* Returns the array [SMR_FIELD_MOTIONS] of displacements along the normal of control k by each unit motion. */
-static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
+SMR_SHARED smr_vec smr_field_posed(const smr_occluded_field *f, smr_vec at) { return smr_pose_apply(&f->pose, at); }
+
+/* Returns the array [n_motions] of displacements along the normal of control k by each unit motion. */
+static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)f->n_motions * k; }
 
 /* Returns twice the sum of a structure's area vectors at rest, mm^2. Adds twice the structure's area to *area. */
 static smr_vec open_part(const smr_shared *shared, const smr_shape_structure *one, float *area)
@@ -86,37 +88,14 @@ void smr_occluded_field_model(smr_occluded_field *f)
     f->sheet = open > SMR_FIELD_SHEET * area;
 }
 
-static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIONS])
+SMR_SHARED static float dot(const smr_occluded_field *f, const float *a, const float *b)
 {
     float sum = 0.0f;
     for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
         sum += a[m] * b[m];
+    for (uint32_t m = SMR_FIELD_MOTIONS; SMR_HAS_REFERENCES && m < f->n_motions; m++)
+        sum += f->unit * a[m] * b[m];
     return sum;
-}
-
-/* Returns the array [n_modes] of displacements along the normal of control k by each reference's difference. */
-static float *modes(const smr_occluded_field *f, uint32_t k) { return f->mode + (size_t)f->n_modes * k; }
-
-/* Decides whether weights of references are solved for, and their prior variance, in the frame of the pose. */
-static void begin_modes(smr_occluded_field *f)
-{
-    const smr_vec first = smr_column(&f->pose, 0);
-    const smr_references *r = f->shape->references;
-    if (f->schedule->tracking)
-        return;
-    f->n_modes = r->n;
-    f->mode_variance = smr_reference_variance(r, f->shared->config.references.prior) / smr_dot(first, first);
-}
-
-/* Sets the references' weights by the solved coefficients f->residual. */
-static void end_modes(const smr_occluded_field *f)
-{
-    float change[SMR_REFERENCES_MAX] = {0};
-    for (uint32_t k = 0; k < f->n; k++)
-        for (uint32_t i = 0; i < f->n_modes; i++)
-            change[i] += f->mode_variance * f->residual[k] * modes(f, k)[i];
-    if (f->n_modes > 0u)
-        smr_reference_choose(f->shape->references, change);
 }
 
 /* Sets f->back, the motions from the pose back to the start; while targets are tracked, only the change of size. */
@@ -132,28 +111,60 @@ static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
     f->back[6] = length * (1.0f / scale - 1.0f);
 }
 
+/* Sets the motions of references, and f->unit so that their prior variance is 1 / prior of the shapes' mean variance at
+ * the controls. Weights stay while targets are tracked. */
+static void add_references(smr_occluded_field *f, const uint32_t *control)
+{
+    static const float whole = 1.0f;
+    float square = FLT_MIN;
+    memset(f->back + SMR_FIELD_MOTIONS, 0, f->shared->n_references * sizeof(float));
+    for (uint32_t k = 0; k < f->n; k++)
+        for (uint32_t i = 0; i < f->shared->n_references; i++) {
+            const smr_vec to = smr_field_posed(f, smr_reference_blend(f->shape, control[k], i, 1, &whole));
+            const smr_vec d = smr_sub(to, smr_column(&f->pose, 3));
+            const float along = smr_dot(d, smr_get3(f->shape->normal, control[k]));
+            motions(f, k)[SMR_FIELD_MOTIONS + i] = along;
+            square += along * along;
+        }
+    if (!f->schedule->tracking)
+        f->unit = (float)f->n / (SMR_MOTION_VARIANCE * f->shared->config.references.prior * square);
+}
+
+/* Sets the references' weights, at least 0 and with the sum 1. change[n_references]: of the weights, in units. */
+static void take_weights(const smr_occluded_field *f, const float *change)
+{
+    float *const more = f->shape->references->more;
+    const uint32_t n = f->shared->n_references;
+    const float equal = 1.0f / (float)n;
+    float sum = FLT_MIN;
+    for (uint32_t i = 0; i < n; i++) {
+        more[i] = smr_clamp(equal + f->unit * change[i], 0.0f, 1.0f);
+        sum += more[i];
+    }
+    for (uint32_t i = 0; i < n; i++)
+        more[i] = more[i] / sum - equal;
+}
+
 void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle)
 {
     const float inverse = SMR_SQRT(f->per_length2);
-    f->middle = smr_pose_apply(&f->pose, middle);
+    f->middle = smr_field_posed(f, middle);
     find_motion_to_start(f, middle);
     if (smr_blends(f->shape))
-        begin_modes(f);
+        add_references(f, control);
     for (uint32_t k = 0; k < f->n; k++) {
         const smr_vec n = smr_get3(f->shape->normal, control[k]);
-        const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->start, k));
+        const smr_vec posed = smr_field_posed(f, smr_get3(f->start, k));
         const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
         float *const m = motions(f, k);
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
-        if (smr_blends(f->shape) && f->n_modes > 0u)
-            smr_reference_modes(f->shape->references, control[k], smr_pose_turn_back(&f->pose, n), modes(f, k));
         const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, control[k])];
         const int in_image = smr_field_of_part(f) && target->surface == NULL;
         const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, control[k]);
         const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
-        f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f->back, m);
+        f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f, f->back, m);
         smr_put3(f->coefficient, k, n);
     }
 }
@@ -161,10 +172,7 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel)
 {
     const float *const a = motions(f, i), *const b = motions(f, j);
-    float sum = kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
-    for (uint32_t m = 0; SMR_HAS_REFERENCES && m < f->n_modes; m++)
-        sum += f->mode_variance * modes(f, i)[m] * modes(f, j)[m];
-    return sum;
+    return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(f, a, b);
 }
 
 /* Returns v rotated by the Cayley parameter `half`: tan(angle / 2) times the unit axis. Any length is a rotation. */
@@ -197,15 +205,15 @@ void smr_field_normals_end(smr_occluded_field *f)
     float *const sum = f->back;
     smr_solve_forward(f->lower, f->n, f->residual);
     smr_solve_back(f->lower, f->n, f->residual);
-    if (smr_blends(f->shape))
-        end_modes(f);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->coefficient, k);
-        for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
+        for (uint32_t m = 0; m < f->n_motions; m++)
             sum[m] += f->motion_variance * f->residual[k] * motions(f, k)[m];
         smr_store(to, smr_scale(smr_load(to), f->residual[k]));
     }
     add_motions(f, sum);
+    if (smr_blends(f->shape))
+        take_weights(f, sum + SMR_FIELD_MOTIONS);
     if (!smr_all_within(f->coefficient, 3u * f->n, SMR_FIELD_FAR) || !smr_all_within(f->pose.m[0], 12u, SMR_FIELD_FAR))
         f->n = 0;
 }

@@ -137,25 +137,25 @@ typedef struct smr_occluded_field {
     float *coefficient;          /* [most][3] coefficients of the controls, mm; before: residuals after the pose */
     float *lower;          /* [SMR_FACTOR_WORDS(most)] rows of the Cholesky factor; before: the choice of controls */
     float *noise_variance; /* [most] noise variance of each control */
-    float *motion;         /* [most][SMR_FIELD_MOTIONS] displacement along a control's normal by each unit motion */
-    float *mode;           /* [most][n_modes] displacement along a control's normal by each reference's difference */
+    float *motion;         /* [most][n_motions] displacement along a control's normal by each unit motion */
     float *whitened;       /* [most] residual i given those before, in standard deviations: the current try */
     float *residual;       /* [most] goal minus posed start along the normal, mm; after the solution: coefficient */
-    float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; after the fit, to the fitted pose */
-    smr_vec middle;                /* centre of the motions' turns and scale, mm */
-    uint32_t sheet;                /* 1: the model is a sheet, whose area vectors do not cancel */
-    uint32_t by_normals;           /* 1: the chosen controls are known along their normals only */
-    uint32_t n;                    /* number of controls in use, landmarks first; 0: no field */
-    smr_pose pose;                 /* pose that fits the controls' start positions to present ones */
-    float per_length2;             /* 1 / (length of the kernel)^2, 1 / mm^2 */
-    float rough, per_rough2;       /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
-    uint32_t n_modes;              /* number of references whose weights are solved for; 0: no weights */
-    float mode_variance;           /* prior variance of a weight / variance of the field, 1 / mm^2 */
-    float motion_variance;         /* variance of the seven motions / variance of the field */
-    float rough_noise;             /* noise variance that the short term adds to each control */
-    float likelihood;              /* 2 log2(likelihood) of the likeliest roughness tried so far */
-    uint32_t likeliest;            /* index of the likeliest roughness tried so far */
-    float square, log;             /* sums in the current try: whitened^2; -2 log2(diagonal of the factor) */
+    uint32_t n_motions;    /* SMR_FIELD_MOTIONS, and a motion for each reference: its difference from the mean shape */
+    float unit;            /* prior variance of a reference's weight / motion_variance, 1 / mm^2; 0: weights stay */
+    float back[SMR_FIELD_MOTIONS +
+               SMR_REFERENCES_MAX]; /* motions from the pose to the start; after the fit, to the fitted pose */
+    smr_vec middle;                 /* centre of the motions' turns and scale, mm */
+    uint32_t sheet;                 /* 1: the model is a sheet, whose area vectors do not cancel */
+    uint32_t by_normals;            /* 1: the chosen controls are known along their normals only */
+    uint32_t n;                     /* number of controls in use, landmarks first; 0: no field */
+    smr_pose pose;                  /* pose that fits the controls' start positions to present ones */
+    float per_length2;              /* 1 / (length of the kernel)^2, 1 / mm^2 */
+    float rough, per_rough2;        /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
+    float motion_variance;          /* variance of the seven motions / variance of the field */
+    float rough_noise;              /* noise variance that the short term adds to each control */
+    float likelihood;               /* 2 log2(likelihood) of the likeliest roughness tried so far */
+    uint32_t likeliest;             /* index of the likeliest roughness tried so far */
+    float square, log;              /* sums in the current try: whitened^2; -2 log2(diagonal of the factor) */
 } smr_occluded_field;
 
 /* ---- occluded_field_normals.c: controls along their normals ---- */
@@ -173,6 +173,8 @@ float smr_field_normals_step(const smr_occluded_field *f);
 void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle);
 /* Returns the covariance of displacements along the normals of controls i and j from the kernel between them. */
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel);
+/* Returns a start position in the pose that fits the controls, mm. */
+smr_vec smr_field_posed(const smr_occluded_field *f, smr_vec at);
 void smr_field_normals_end(smr_occluded_field *f);    /* solves for coefficients; applies the motions to the pose */
 void smr_occluded_field_model(smr_occluded_field *f); /* sets `sheet` from the rest shape */
 

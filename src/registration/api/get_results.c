@@ -27,12 +27,9 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 smr_status smr_get_reference_weights(const smr *s, float weights[SMR_REFERENCES_MAX], uint32_t *n)
 {
     SMR_TRY(weights == NULL || n == NULL ? SMR_E_NULL : smr_readable(s, 0, n));
-    *n = 1;
-    weights[0] = 1.0f;
-    if (smr_blends(&s->shape)) {
-        *n = s->shape.references->n;
-        memcpy(weights, s->shape.references->weight, *n * sizeof *weights);
-    }
+    *n = smr_max_u32(s->shared.n_references, 1u);
+    for (uint32_t i = 0; i < *n; i++)
+        weights[i] = 1.0f / (float)*n + (smr_blends(&s->shape) ? s->shape.references->more[i] : 0.0f);
     return SMR_OK;
 }
 

@@ -33,6 +33,8 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
     s->shared.n_structures = smr_le32(model->n_structures);
     s->shared.n_radii = smr_le32(model->n_radii);
     s->shared.n_dihedrals = smr_le32(model->n_dihedrals);
+    if (SMR_HAS_REFERENCES)
+        s->shared.n_references = smr_reference_count(model, smr_model_references(model));
     s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
     s->shared.parts = parts_of(&s->shared);
 }

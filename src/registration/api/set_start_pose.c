@@ -22,8 +22,8 @@ static void centre_origin(smr *s)
     s->shape.origin = smr_add(s->shape.origin, shift);
 }
 
-/* Sets everything that follows from the start positions in x. posed 1: x is the rest shape in a pose. */
-static void start_here(smr *s, int posed)
+/* Sets everything that follows from the start positions in x. by_pose 1: x is the rest shape in a pose. */
+static void start_here(smr *s, int by_pose)
 {
     smr_shape *shape = &s->shape;
     const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
@@ -32,7 +32,7 @@ static void start_here(smr *s, int posed)
     smr_rest_pose_now(shape);
     memcpy(shape->start, shape->x, bytes);
     if (smr_blends(shape))
-        smr_references_start(shape, posed);
+        smr_references_start(shape, by_pose);
     shape->start_box = smr_box_of(shape->start, s->shared.n);
     memcpy(shape->x_ref, shape->x, bytes);
     memset(s->forces.force, 0, bytes);

@@ -158,7 +158,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
                       smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]) && !smr_config_left_out(c) &&
                       fields_agree(c, smr_le32(m->n_radii));
 #ifdef SMR_WITHOUT_REFERENCES
-    if (smr_reference_count(m) > 0u)
+    if (smr_model_references(m) != NULL)
         return SMR_E_CONFIG;
 #endif
     return legal ? SMR_OK : SMR_E_CONFIG;

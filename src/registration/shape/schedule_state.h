@@ -31,6 +31,7 @@ typedef struct smr_shared {
     uint32_t parts; /* sum of the SMR_PART_... that model and configuration need */
     uint32_t n;     /* number of vertices */
     uint32_t n_triangles, n_structures, n_radii, n_dihedrals;
+    uint32_t n_references;    /* number of subjects' shapes that are blended; 0: the model has its own shape alone */
     uint32_t n_tasks;         /* number of chunks of SMR_CHUNK vertices */
     const uint32_t *triangle; /* [n_triangles][3] stored vertices; on little-endian hosts in the model itself */
     float mass_max;           /* largest mass of a vertex in the model */
