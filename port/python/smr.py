@@ -159,8 +159,12 @@ class ModelInfo(_Struct):
                 ("edge_mm", _F), ("radius_mm", _F * 16), ("indexes_per_cluster", _F * 16),
                 ("direct_per_cluster", _F * 16), ("largest_cluster", _U * 16), ("smallest_cluster", _U * 16),
                 ("n_blocks", _U * 16), ("separate", _U * 16), ("active_min", _U * 16), ("n_levels", _U),
-                ("level_end", _U * 24), ("order", _U), ("profile_samples", _U), ("profile_step_mm", _F),
-                ("checksum", _U), ("bytes", _Z)]
+                ("level_end", _U * 24), ("order", _U), ("profile_samples", _U), ("n_references", _U),
+                ("profile_step_mm", _F), ("checksum", _U), ("bytes", _Z)]
+
+
+class _Subjects(_Struct):
+    _fields_ = [("xyz", _P), ("n", _U)]
 
 
 _StructureInfo = _struct("_StructureInfo", ("name", C.c_char * 64), ("n_vertices", _U), ("n_triangles", _U))
@@ -232,7 +236,7 @@ STRUCTS = {"smr_mesh": _Mesh, "smr_structure": _Structure, "smr_volume": _Volume
            "smr_model_info": ModelInfo, "smr_structure_info": _StructureInfo, "smr_landmark": _Landmark,
            "smr_tick_report": TickReport, "smr_tick_details": TickDetails, "smr_structure_report": StructureReport,
            "smr_structure_volume": StructureVolume, "smr_verdict": Verdict, "smr_energy": Energy,
-           "smr_carry_fact": _Fact, "smr_setting": _Setting}
+           "smr_subjects": _Subjects, "smr_carry_fact": _Fact, "smr_setting": _Setting}
 
 # Calls that return a status: p pointer, u uint32_t, z size_t, q uint64_t, f float.
 _CALLS = {
@@ -245,7 +249,8 @@ _CALLS = {
     "smr_prepare": "puppzpzp", "smr_model_open": "pzp", "smr_model_get_info": "pp", "smr_model_structure": "pup",
     "smr_model_mesh": "pupp", "smr_arena_bytes": "ppp", "smr_init": "ppppzp", "smr_set_positions": "pup",
     "smr_set_pose": "pp", "smr_set_surface": "pup", "smr_set_points": "pup", "smr_set_volume": "pp",
-    "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp", "smr_get_pose": "pupp", "smr_set_goals": "pupp", "smr_tick": "pqp",
+    "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp",
+    "smr_get_reference_weights": "ppp", "smr_get_pose": "pupp", "smr_set_goals": "pupp", "smr_tick": "pqp",
     "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup", "smr_set_fixed": "pup",
     "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
     "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
@@ -679,10 +684,12 @@ class Model:
 
     @classmethod
     def prepare(cls, structures: Union[Mesh, Mapping[str, Mesh]], reference: Optional[Volume] = None,
-                threads: Optional[int] = None, paper: bool = False, **settings: Any) -> "Model":
+                threads: Optional[int] = None, paper: bool = False, also: Sequence[Any] = (),
+                **settings: Any) -> "Model":
         """Of {name: (xyz, triangles)}, or of one (xyz, triangles). reference: the image that fits the surfaces, for
         registrations into images. threads None: as many as processors; the model is the same. paper: as the paper has
-        it. settings: PREPARE_SETTINGS, build/SETTINGS.md."""
+        it. also: shapes of at most 15 further subjects, each the xyz [n][3] of all structures in a row, or a sequence
+        with one xyz for each structure. settings: PREPARE_SETTINGS, build/SETTINGS.md."""
         named = structures if isinstance(structures, Mapping) else {"": structures}
         config = (_lib.smr_prepare_config_paper if paper else _lib.smr_prepare_config_default)()
         _apply_settings(config, PREPARE_SETTINGS, settings)
@@ -697,6 +704,12 @@ class Model:
         if 0.0 < size < 5.0:
             warnings.warn(f"lengths are millimetres, but the model's diagonal is only {size:.3g} mm: is it in metres?",
                           stacklevel=2)
+        shapes = [_numbers(np.concatenate(x) if isinstance(x, (list, tuple)) else x, "also") for x in also]
+        if any(len(x) != len(all_xyz) for x in shapes):
+            raise ValueError("also: expected as many vertices as the structures have")
+        rows = np.ascontiguousarray(np.concatenate(shapes or [np.zeros((0, 3), np.float32)]))
+        subjects = _Subjects(_at(rows), len(shapes))
+        config.also = C.addressof(subjects)
         table = (_Structure * max(n, 1))()
         for row, name, (xyz, triangles) in zip(table, named, meshes):
             row.name = name.encode()
@@ -1037,6 +1050,12 @@ class Registration:
         xyz = np.empty((self._n_landmarks, 3), np.float32)
         self._call(_lib.smr_get_landmarks, _at(xyz))
         return xyz
+
+    def reference_weights(self) -> Array:
+        """Weights of the model's shapes in the blend that invisible vertices follow, its own first."""
+        weights, n = np.zeros(16, np.float32), _U()
+        self._call(_lib.smr_get_reference_weights, _at(weights), C.byref(n))
+        return weights[:n.value].copy()
 
     def set_goals(self, structure: Union[int, str], xyz: Any, weights: Any = None) -> None:
         """Goals of the caller's own for each vertex of a structure: xyz [n][3] mm, weights [n], 0..1000, 0 for none;

@@ -271,6 +271,11 @@ def targets(model, rest, triangles, now):
     check(f"hard landmarks are reached: {off.max():.3f} mm", off.max() < 0.06)
     refused("a landmark of nothing", ValueError, "a vertex or a place", smr.register, model,
             landmarks=[smr.Landmark((0, 0, 0))])
+    several = smr.Model.prepare({"bone": (rest, triangles)}, also=[now, [2 * rest + 5]], radius_mm=[20])
+    weights = smr.Registration(several).reference_weights()
+    check("equal weights of three shapes", several.info.n_references == 3 and np.abs(weights - 1 / 3).max() < 1e-6)
+    refused("shapes of other vertices", ValueError, "as many vertices", smr.Model.prepare, (rest, triangles),
+            also=[rest[1:]])
     warp = smr.Warp(rest[::20], now[::20])
     check("a spline passes through its landmarks",
           warp.kind == "spline" and np.abs(warp.apply(rest[::20]) - now[::20]).max() < 0.01)

@@ -25,7 +25,7 @@ static void save(const char *kind, uint32_t number, const void *bytes, size_t si
     assert_int_equal(fclose(f), 0);
 }
 
-/* Small models of every kind: orders, both distances, one and two structures, points only. */
+/* Small models of every kind: orders, both distances, one and two structures, several shapes, points only. */
 static unit_image seed_image(uint32_t number)
 {
     oracle_random r = oracle_seed(200u + number);
@@ -38,6 +38,11 @@ static unit_image seed_image(uint32_t number)
     c.n_radii = 1u + number % 3u;
     for (uint32_t i = 0; i < c.n_radii; i++)
         c.radius_mm[i] = 6.0f / (float)(i + 1u);
+    float further[2][64][3];
+    const smr_subjects subjects = {further[0][0], number == 4u ? 2u : 0u};
+    for (uint32_t i = 0; i < 2u * 64u; i++)
+        oracle_within_box(&r, -4.0f, 4.0f, further[0][i]);
+    c.also = &subjects;
     unit_image image = unit_prepare(two, number > 3u ? 1u : 2u, &c);
     unit_mesh_free(&a);
     unit_mesh_free(&b);

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { IMAGE, PARTIAL, TRACK, CONTACT, DYNAMICS, NOTHING, CASES };
-static const char *const words[] = {"image", "partial", "track", "contact", "dynamics"};
+enum { IMAGE, PARTIAL, TRACK, CONTACT, DYNAMICS, REFERENCES, NOTHING, CASES };
+static const char *const words[] = {"image", "partial", "track", "contact", "dynamics", "references"};
 
 #define SIDE 6u /* points along an edge of a cube */
 #define NV (SIDE * SIDE * SIDE)
@@ -108,6 +108,8 @@ static smr_config config_of(int capability)
     }
     if (capability == DYNAMICS)
         c.dynamics.mode = SMR_DYNAMICS_ON;
+    if (capability == REFERENCES)
+        c.references.prior = 5.0f;
     return c;
 }
 
@@ -166,11 +168,11 @@ static void check_saved(FILE *file)
 
 static int group_of(const smr_setting *row)
 {
-    const size_t begin[] = {offsetof(smr_config, image), offsetof(smr_config, partial),
-                            offsetof(smr_config, track.mode), offsetof(smr_config, contact.share),
-                            offsetof(smr_config, dynamics.mode)};
-    const size_t bytes[] = {sizeof(smr_image_config), sizeof(smr_partial_config), sizeof(smr_track_config),
-                            sizeof(smr_contact_config), sizeof(smr_dynamics_config)};
+    const size_t begin[] = {offsetof(smr_config, image),         offsetof(smr_config, partial),
+                            offsetof(smr_config, track.mode),    offsetof(smr_config, contact.share),
+                            offsetof(smr_config, dynamics.mode), offsetof(smr_config, references)};
+    const size_t bytes[] = {sizeof(smr_image_config),   sizeof(smr_partial_config),  sizeof(smr_track_config),
+                            sizeof(smr_contact_config), sizeof(smr_dynamics_config), sizeof(smr_references_config)};
     int group = NOTHING;
     for (int i = 0; i < NOTHING; i++)
         if (row->offset >= begin[i] && row->offset < begin[i] + bytes[i])
@@ -206,6 +208,23 @@ static void check_settings(void)
     const smr_config paper = smr_config_paper();
     size_t bytes = 0;
     expect("the paper's configuration", 0, smr_arena_bytes(model, &paper, &bytes), 0, SMR_E_CONFIG);
+}
+
+/* A model with the shapes of two subjects. */
+static void check_shapes(void)
+{
+    const smr_config config = config_of(NOTHING);
+    const smr_subjects subjects = {xyz[0], 1};
+    const smr_structure cube = {"cube", {xyz[0], triangles[0], NV, n_triangles}};
+    smr_prepare_config prepare = smr_prepare_config_default();
+    const smr_model *shapes = NULL;
+    size_t bytes = 0;
+    prepare.also = &subjects;
+    expect("smr_prepare", 0, smr_prepare(&cube, 1, &prepare, scratch, sizeof scratch, arena, sizeof arena, &bytes), 0,
+           SMR_E_CONFIG);
+    expect("smr_model_open", 0, smr_model_open(arena, bytes, &shapes), 0, SMR_E_CONFIG);
+    expect("a model of shapes", 0, shapes == NULL ? SMR_E_MODEL : smr_arena_bytes(shapes, &config, &bytes),
+           out[REFERENCES], SMR_E_CONFIG);
 }
 
 static void check_setters(void)
@@ -267,6 +286,7 @@ int main(int argc, char **argv)
     }
     check_settings();
     check_setters();
+    check_shapes();
     check_saved(file);
     (void)fclose(file);
     return failures > 0;

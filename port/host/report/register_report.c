@@ -332,6 +332,8 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
 {
     host_json json = {out, 0, 1, 0};
     char text[40];
+    float weights[SMR_REFERENCES_MAX];
+    uint32_t n_references = 0;
     host_json_open(&json, NULL, '{');
     (void)snprintf(text, sizeof text, "%d.%d.%d", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
     host_json_text(&json, "version", text);
@@ -359,6 +361,8 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
         host_json_null(&json, "similarity");
     put_start(job, &json);
     put_landmark_goals(job, &json);
+    if (smr_get_reference_weights(job->state, weights, &n_references) == SMR_OK && n_references > 1)
+        host_json_list(&json, "reference_weights", weights, n_references);
     put_times(job, &json);
     put_result(job, &json);
     (void)snprintf(text, sizeof text, "%016" PRIx64, smr_state_hash(job->state));
