@@ -9,8 +9,8 @@ static const char usage[] =
     "case_tool make [NAME=VALUE...] DIR [x:]FILE...       model, target, truth, whole, seen in DIR; x: mirrored\n"
     "    seed part (whole side patches end front) share patches noise outliers deform sigma shift turn; "
     "view=SEED: a patch of any size, seen from any start; beside=FILE: in the first target, too\n"
-    "case_tool pair DIR [x:]MODEL [x:]TARGET A B C D      another's surface: shares A-B of the model, C-D of the "
-    "target\n"
+    "case_tool pair DIR [x:]MODEL [x:]TARGET A B C D [TRUTH]   another's surface: shares A-B of the model, C-D of the "
+    "target; TRUTH: where the model's vertices belong\n"
     "case_tool kind SEED DATA DIR [NAME]                  a run that verdicts are judged by\n"
     "case_tool measure DIR RESULT                         how far a result of the case is from its truth\n"
     "case_tool cloud DIR OUT N NOISE STRAYS BLOB SEED     points on the case's target, with shares of outliers\n"
@@ -81,6 +81,19 @@ static void do_make(char **word)
     (void)printf("overlap %.4f\n", data->overlap);
 }
 
+/* Where the vertices belong, and which of them lie in these shares of the whole surface's height. */
+static void add_truth(case_body *body, const char *path, double from, double to)
+{
+    double low = 0.0;
+    const double height = case_height(&body->whole, &low);
+    body->truth = case_load(path, HOST_MIRROR_NONE);
+    body->seen = case_alloc(body->truth.n_vertices, 1);
+    for (uint32_t i = 0; i < body->truth.n_vertices; i++) {
+        const double share = ((double)body->truth.xyz[3u * (size_t)i + 2u] - low) / height;
+        body->seen[i] = share >= from && share <= to;
+    }
+}
+
 static void do_pair(char **word)
 {
     case_data *const data = case_alloc(1, sizeof *data);
@@ -95,6 +108,8 @@ static void do_pair(char **word)
     if (atof(word[3]) > 0.0)
         case_keep_shares(&body->model, atof(word[3]), atof(word[4]));
     case_keep_shares(&body->target, atof(word[5]), atof(word[6]));
+    if (word[7] != NULL)
+        add_truth(body, word[7], atof(word[5]), atof(word[6]));
     case_write(data, word[0]);
 }
 
