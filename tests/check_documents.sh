@@ -19,7 +19,7 @@ limit() { # file, bytes, lines
     if [ "$bytes" -gt "$2" ] || [ "$lines" -gt "$3" ]; then fail "$1 is longer than $2 bytes or $3 lines"; else ok; fi
 }
 limit README.md 7000 130
-limit docs/DESIGN.md 30000 360
+limit docs/DESIGN.md 30000 363
 all=$(cat README.md CHANGELOG.md docs/*.md .github/*.md .github/*/*.md docs/examples/*/*.md tests/*/*.md 2>/dev/null | wc -c)
 echo "all documents: $((all)) of 230000 bytes"
 if [ "$all" -le 230000 ]; then ok; else fail "the documents are longer than 230000 bytes together"; fi

@@ -88,12 +88,12 @@ void smr_occluded_field_model(smr_occluded_field *f)
     f->sheet = open > SMR_FIELD_SHEET * area;
 }
 
-SMR_SHARED static float dot(const smr_occluded_field *f, const float *a, const float *b)
+SMR_SHARED static float dot(const smr_occluded_field *f, const float *a, const float *b, uint32_t n)
 {
     float sum = 0.0f;
     for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
         sum += a[m] * b[m];
-    for (uint32_t m = SMR_FIELD_MOTIONS; SMR_HAS_REFERENCES && m < f->n_motions; m++)
+    for (uint32_t m = SMR_FIELD_MOTIONS; SMR_HAS_REFERENCES && m < n; m++)
         sum += f->unit * a[m] * b[m];
     return sum;
 }
@@ -117,7 +117,6 @@ static void add_references(smr_occluded_field *f, const uint32_t *control)
 {
     static const float whole = 1.0f;
     float square = FLT_MIN;
-    memset(f->back + SMR_FIELD_MOTIONS, 0, f->shared->n_references * sizeof(float));
     for (uint32_t k = 0; k < f->n; k++)
         for (uint32_t i = 0; i < f->shared->n_references; i++) {
             const smr_vec to = smr_field_posed(f, smr_reference_blend(f->shape, control[k], i, 1, &whole));
@@ -130,15 +129,18 @@ static void add_references(smr_occluded_field *f, const uint32_t *control)
         f->unit = (float)f->n / (SMR_MOTION_VARIANCE * f->shared->config.references.prior * square);
 }
 
-/* Sets the references' weights, at least 0 and with the sum 1. change[n_references]: of the weights, in units. */
-static void take_weights(const smr_occluded_field *f, const float *change)
+/* Sets the references' weights, at least 0 and with the sum 1, by the solved coefficients f->residual. */
+static void take_weights(const smr_occluded_field *f)
 {
     float *const more = f->shape->references->more;
     const uint32_t n = f->shared->n_references;
     const float equal = 1.0f / (float)n;
     float sum = FLT_MIN;
     for (uint32_t i = 0; i < n; i++) {
-        more[i] = smr_clamp(equal + f->unit * change[i], 0.0f, 1.0f);
+        float change = 0.0f;
+        for (uint32_t k = 0; k < f->n; k++)
+            change += f->residual[k] * motions(f, k)[SMR_FIELD_MOTIONS + i];
+        more[i] = smr_clamp(equal + f->unit * f->motion_variance * change, 0.0f, 1.0f);
         sum += more[i];
     }
     for (uint32_t i = 0; i < n; i++)
@@ -164,7 +166,7 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
         const int in_image = smr_field_of_part(f) && target->surface == NULL;
         const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, control[k]);
         const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
-        f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f, f->back, m);
+        f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f, f->back, m, SMR_FIELD_MOTIONS);
         smr_put3(f->coefficient, k, n);
     }
 }
@@ -172,7 +174,7 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel)
 {
     const float *const a = motions(f, i), *const b = motions(f, j);
-    return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(f, a, b);
+    return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(f, a, b, f->n_motions);
 }
 
 /* Returns v rotated by the Cayley parameter `half`: tan(angle / 2) times the unit axis. Any length is a rotation. */
@@ -207,13 +209,13 @@ void smr_field_normals_end(smr_occluded_field *f)
     smr_solve_back(f->lower, f->n, f->residual);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->coefficient, k);
-        for (uint32_t m = 0; m < f->n_motions; m++)
+        for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
             sum[m] += f->motion_variance * f->residual[k] * motions(f, k)[m];
         smr_store(to, smr_scale(smr_load(to), f->residual[k]));
     }
     add_motions(f, sum);
     if (smr_blends(f->shape))
-        take_weights(f, sum + SMR_FIELD_MOTIONS);
+        take_weights(f);
     if (!smr_all_within(f->coefficient, 3u * f->n, SMR_FIELD_FAR) || !smr_all_within(f->pose.m[0], 12u, SMR_FIELD_FAR))
         f->n = 0;
 }

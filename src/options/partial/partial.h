@@ -142,20 +142,19 @@ typedef struct smr_occluded_field {
     float *residual;       /* [most] goal minus posed start along the normal, mm; after the solution: coefficient */
     uint32_t n_motions;    /* SMR_FIELD_MOTIONS, and a motion for each reference: its difference from the mean shape */
     float unit;            /* prior variance of a reference's weight / motion_variance, 1 / mm^2; 0: weights stay */
-    float back[SMR_FIELD_MOTIONS +
-               SMR_REFERENCES_MAX]; /* motions from the pose to the start; after the fit, to the fitted pose */
-    smr_vec middle;                 /* centre of the motions' turns and scale, mm */
-    uint32_t sheet;                 /* 1: the model is a sheet, whose area vectors do not cancel */
-    uint32_t by_normals;            /* 1: the chosen controls are known along their normals only */
-    uint32_t n;                     /* number of controls in use, landmarks first; 0: no field */
-    smr_pose pose;                  /* pose that fits the controls' start positions to present ones */
-    float per_length2;              /* 1 / (length of the kernel)^2, 1 / mm^2 */
-    float rough, per_rough2;        /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
-    float motion_variance;          /* variance of the seven motions / variance of the field */
-    float rough_noise;              /* noise variance that the short term adds to each control */
-    float likelihood;               /* 2 log2(likelihood) of the likeliest roughness tried so far */
-    uint32_t likeliest;             /* index of the likeliest roughness tried so far */
-    float square, log;              /* sums in the current try: whitened^2; -2 log2(diagonal of the factor) */
+    float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; after the fit, to the fitted pose */
+    smr_vec middle;                /* centre of the motions' turns and scale, mm */
+    uint32_t sheet;                /* 1: the model is a sheet, whose area vectors do not cancel */
+    uint32_t by_normals;           /* 1: the chosen controls are known along their normals only */
+    uint32_t n;                    /* number of controls in use, landmarks first; 0: no field */
+    smr_pose pose;                 /* pose that fits the controls' start positions to present ones */
+    float per_length2;             /* 1 / (length of the kernel)^2, 1 / mm^2 */
+    float rough, per_rough2;       /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
+    float motion_variance;         /* variance of the seven motions / variance of the field */
+    float rough_noise;             /* noise variance that the short term adds to each control */
+    float likelihood;              /* 2 log2(likelihood) of the likeliest roughness tried so far */
+    uint32_t likeliest;            /* index of the likeliest roughness tried so far */
+    float square, log;             /* sums in the current try: whitened^2; -2 log2(diagonal of the factor) */
 } smr_occluded_field;
 
 /* ---- occluded_field_normals.c: controls along their normals ---- */
