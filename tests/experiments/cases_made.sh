@@ -72,42 +72,6 @@ group_parts() {
     count thigh $(either all 3 1)
 }
 
-# Five subjects' femurs, brought to one topology by registering one onto each: of each an end is shown, and the other four
-# follow it, one by one and as the shapes of one model. Errors are those of the part that is not shown.
-group_references() {
-    need femurs thigh_person || return
-    five='person m_right 2008 2007 vhm_left'
-    right_of() { case $1 in person) echo data/thigh_person/truth/femur.ply ;; m_right) file_of $1 ;; *) echo "x:$(file_of $1)" ;; esac; }
-    mkdir one_person && cp data/thigh_person/truth/femur.ply one_person
-    for k in m_right 2008 2007 vhm_left; do
-        register one_$k --model one_person/femur.ply --target $(file_of $k) --align similarity $([ $k = m_right ] || echo --mirror-target x)
-    done
-    shown() { # row, shape whose case it is, words of the model
-        tool pair case one_$2/femur.ply $(right_of $who) 0 0 $shares one_$who/femur.ply | keep $1
-        tool spread case 12 0 1 0 from.csv to.csv
-        register $1 --model $3 --target case/target/*.ply --landmarks from.csv to.csv --align similarity
-        measure $1 case
-        rm -r case $1
-    }
-    for who in $(either short 2008 "$five"); do
-        others=$(echo $five | sed "s/\<$who\>//")
-        first=$(echo $others | cut -d ' ' -f 1)
-        smr build --model one_$first/femur.ply --also $(for k in $others; do [ $k = $first ] || echo one_$k; done) -o $who.smr
-        for shares in $(either short '0.6:1' '0.75:1 0:0.25 0.6:1 0:0.4'); do
-            at=$who:$shares shares=$(echo $shares | tr : ' ')
-            at=$(echo $at | tr -d .)
-            for k in $others; do shown alone:$at:$k $k one_$k/femur.ply; done
-            over alone:$at
-            shown blend:$at $first $who.smr
-            record ratio:$at.mean "blend:$at.unseen/alone:$at.unseen"
-            record ratio:$at.best "blend:$at.unseen/alone:$at.unseen_least"
-        done
-    done
-    over alone; over blend; over ratio
-    bound 'not shown: blend over single references, mean' ratio.mean 0.88
-    bound 'not shown: blend over single references, worst' ratio.mean_most 1.1
-}
-
 # Another person's femur, cut, and parts of femurs onto parts of another length; the right way up, by its own scale. In full each
 # two femurs meet once, in one direction, and all: in both.
 group_persons() {
