@@ -702,7 +702,7 @@ smr_status smr_get_landmarks(const smr *s, float *xyz);
 /* config.references: models with shapes of further subjects (smr_prepare_config.also). After smr_set_pose(), vertices
  * that a target does not show follow a convex blend of all shapes; the visible vertices choose the weights. */
 typedef struct smr_references_config {
-    /* factor, [0.01, 1000000], default 100. Strength of the prior that all shapes have equal weights */
+    /* factor, [0.01, 1000000], default 300. Strength of the prior that all shapes have equal weights */
     float prior;
 } smr_references_config;
 

@@ -105,11 +105,14 @@ group_references() {
         for shares in $(either short '0.6:1' '0.75:1 0:0.25 0.6:1 0:0.4'); do
             at=$who:$shares shares=$(echo $shares | tr : ' ')
             at=$(echo $at | tr -d .)
-            for k in $others; do shown alone:$at:$k $k one_$k/femur.ply; done
-            over alone:$at
+            sum=0 least=-1e9
+            for k in $others; do
+                shown alone:$at:$k $k one_$k/femur.ply
+                sum="$sum+alone:$at:$k.unseen" least="max($least,-alone:$at:$k.unseen)"
+            done
             shown blend:$at $first $who.smr
-            record ratio:$at.mean "blend:$at.unseen/alone:$at.unseen"
-            record ratio:$at.best "blend:$at.unseen/alone:$at.unseen_least"
+            record ratio:$at.mean "blend:$at.unseen/(($sum)/4)"
+            record ratio:$at.best "-blend:$at.unseen/$least"
         done
     done
     over alone; over blend; over ratio

@@ -136,7 +136,7 @@ TEST(test_mixtures)
         float weight[SMR_REFERENCES_MAX], most = 0.0f;
         const smr_mesh body = mixture(truth[k], 0), part = mixture(truth[k], 1);
         const smr_surface *target = rig_surface(&part);
-        const smr_config weak = config_of(&part, 0.1f), usual = config_of(&part, 100.0f);
+        const smr_config weak = config_of(&part, 0.1f), usual = config_of(&part, 300.0f);
         smr *s = begin(all, &weak, target), *alone = begin(own, &usual, target), *blend = begin(all, &usual, target);
         weights_of(s, weight);
         assert_true(fabsf(weight[1] - 0.25f) < 1.0e-6f);

@@ -46,7 +46,7 @@ const host_command_text host_command_texts[] = {
     {"build",
      HOST_BUILD,
      "prepare a model",
-     {"--model FILE... [--reference VOLUME] -o MODEL.smr [OPTION]..."},
+     {"--model FILE... [--reference VOLUME] [--also DIR...] -o MODEL.smr [OPTION]..."},
      {"A prepared model saves the time of preparing, and is what devices get. With --reference it holds the intensity "
       "profiles that registrations into images need.",
       MESH_FILES},

@@ -20,7 +20,7 @@ static const struct {
     {"--also", 0, "DIR...",
      "results of registering the model onto further subjects, files named alike: what a target does not show follows a "
      "blend of all shapes"},
-    {"--reference-prior", 0, "X", "strength of the prior that all shapes of --also have equal weights"},
+    {"--reference-prior", 0, "X", "strength of the prior that the shapes of several subjects have equal weights"},
     {"--target", HOST_BENCH, "FILE...", "what they are registered to: surfaces, or one volume"},
     {"--target", 0, "FILE...",
      "surfaces, clouds of points or one volume; several find their structures by name, one serves all"},
