@@ -706,9 +706,9 @@ typedef struct smr_references_config {
     float prior;
 } smr_references_config;
 
-/* Writes the weights of the last forces' blend, the model's own shape first; 1 and *n = 1 without further shapes.
+/* Writes weights[*n <= SMR_REFERENCES_MAX] of the last forces' blend, the own shape first; 1 without further shapes.
  * Errors: E_NULL, E_STATE. */
-smr_status smr_get_reference_weights(const smr *s, float weights[SMR_REFERENCES_MAX], uint32_t *n);
+smr_status smr_get_reference_weights(const smr *s, float *weights, uint32_t *n);
 
 /* ------------------------------------------------------------------ 13. tracking: targets that move */
 enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };

@@ -24,7 +24,7 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
     return smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
 }
 
-smr_status smr_get_reference_weights(const smr *s, float weights[SMR_REFERENCES_MAX], uint32_t *n)
+smr_status smr_get_reference_weights(const smr *s, float *weights, uint32_t *n)
 {
     SMR_TRY(weights == NULL || n == NULL ? SMR_E_NULL : smr_readable(s, 0, n));
     *n = smr_max_u32(s->shared.n_references, 1u);
