@@ -215,7 +215,7 @@ static smr_status await_volume(smr *s, const smr_volume *volume)
     smr_grid grid;
     SMR_TRY(smr_grid_open(volume, &grid));
     SMR_TRY(take(s, s->shared.n_structures, smr_volume_checksum(volume)));
-    s->forces.image.grid = grid;
+    smr_image_goals_see(&s->forces.image, &grid);
     return SMR_OK;
 }
 
