@@ -23,36 +23,22 @@ static const struct {
                               {-1, 1, 18}, {0, 2, 7},  {2, 0, 7},   {0, -2, 7},  {-2, 0, 7}, {1, 2, 3},    {-1, -2, 3},
                               {1, -2, 3},  {-1, 2, 3}, {2, 1, 3},   {-2, -1, 3}, {2, -1, 3}, {-2, 1, 3}};
 
-static float smallest_voxel(const smr_grid *grid)
+/* Writes two directions at right angles to a line, side[0] near the longest voxel axis. Each is as long as from voxel
+ * to voxel in its direction, and at most `most` mm. */
+static void across(const smr_grid *grid, smr_vec along, float most, smr_vec side[2])
 {
-    const float *const spacing = grid->volume.spacing;
-    return smr_min(spacing[0], smr_min(spacing[1], spacing[2]));
-}
-
-/* Returns `way` as long as from voxel to voxel in its direction, at most SMR_TALL smallest voxels. */
-static smr_vec voxel_long(const smr_grid *grid, smr_vec way)
-{
-    const float per_voxel = 1.0f / smr_length(smr_mul(grid->to_index, way)), most = SMR_TALL * smallest_voxel(grid);
-    return smr_scale(way, smr_min(per_voxel, most / smr_length(way)));
-}
-
-/* Writes two directions at right angles to a line, each as long as a voxel is there: *u by the longest voxel axis. */
-static void across(const smr_grid *grid, smr_vec along, smr_vec *u, smr_vec *v)
-{
-    const smr_volume *image = &grid->volume;
     const smr_vec normal = smr_scale(along, 1.0f / smr_length(along));
-    uint32_t axis = 0;
-    for (uint32_t a = 1; a < 3u; a++)
-        axis = image->spacing[a] > image->spacing[axis] ? a : axis;
+    uint32_t axis = smr_longest_axis(&grid->volume);
     for (uint32_t turn = 0; turn < 2u; turn++, axis = (axis + 1u) % 3u) {
-        const float *d = image->direction + axis;
-        const smr_vec way = smr_v(d[0], d[3], d[6]);
-        *u = smr_sub(way, smr_scale(normal, smr_dot(way, normal)));
-        if (smr_dot(*u, *u) > SMR_ALONG_LEAST2)
+        const float *d = grid->volume.direction + axis;
+        side[1] = smr_cross(normal, smr_v(d[0], d[3], d[6]));
+        if (smr_dot(side[1], side[1]) > SMR_ALONG_LEAST2)
             break;
     }
-    *v = voxel_long(grid, smr_cross(normal, *u));
-    *u = voxel_long(grid, *u);
+    side[0] = smr_cross(side[1], normal);
+    for (uint32_t i = 0; i < 2u; i++)
+        side[i] = smr_scale(side[i],
+                            smr_min(1.0f / smr_length(smr_mul(grid->to_index, side[i])), most / smr_length(side[i])));
 }
 
 /* Replaces weighted sums value[n], of samples inside the image, by means over neighbours nearer than `reach` samples,
@@ -98,18 +84,19 @@ uint32_t smr_grid_thick_line(const smr_grid *grid, float noise, smr_vec start, s
 {
     const uint32_t count = smr_grid_line(grid, start, spacing, n, value, inside);
     const uint32_t lines = noise > SMR_LITTLE ? SMR_LINES_BESIDE : SMR_LINES_LITTLE;
-    const float reach = smr_min(0.8f + 0.4f * noise, SMR_ALONG_MOST) * smallest_voxel(grid) / smr_length(spacing);
+    const float *const size = grid->volume.spacing, voxel = smr_min(size[0], smr_min(size[1], size[2]));
+    const float reach = smr_min(0.8f + 0.4f * noise, SMR_ALONG_MOST) * voxel / smr_length(spacing);
     uint8_t weight[SMR_LINE_MAX];
-    smr_vec u, v;
+    smr_vec side[2];
     if (count == 0u)
         return 0;
     for (uint32_t k = 0; k < n; k++) {
         value[k] *= (float)SMR_OWN;
         weight[k] = inside[k] ? SMR_OWN : 0u;
     }
-    across(grid, spacing, &u, &v);
+    across(grid, spacing, smr_max(SMR_TALL, noise) * voxel, side);
     for (uint32_t i = 0; i < lines; i++) {
-        const smr_vec off = smr_add(smr_scale(u, (float)beside[i].u), smr_scale(v, (float)beside[i].v));
+        const smr_vec off = smr_add(smr_scale(side[0], (float)beside[i].u), smr_scale(side[1], (float)beside[i].v));
         add_line(grid, smr_add(start, off), spacing, i % SMR_EVERY, n, beside[i].weight, value, weight);
     }
     smooth_along(reach, n, value, weight, inside);
