@@ -245,5 +245,6 @@ void case_click(char **word);
 void case_spread(char **word);
 void case_depths(char **word);
 void case_crop(char **word);
+void case_rician(char **word);
 
 #endif

@@ -1,4 +1,4 @@
-/* case_crop.c: images that show the upper part of a structure: the slices of an image above a height.
+/* case_crop.c: images that show the upper part of a structure: the slices of an image above a height; noise.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
 #include <stdio.h>
@@ -6,12 +6,24 @@
 #include <string.h>
 #include "volumes/voxel_volume.h"
 
+/* Writes an image with other voxels, and frees its own. */
+static void write_volume(host_volume *image, const unsigned char *voxels, const char *out)
+{
+    host_buffer bytes = {0};
+    host_volume_write_header(image, image->type, 1, "", out, &bytes);
+    host_volume_write_values(voxels, image->type, (size_t)image->size[0] * image->size[1] * image->size[2], &bytes);
+    FILE *const file = fopen(out, "wb");
+    if (file == NULL || bytes.failed || fwrite(bytes.data, 1, bytes.size, file) != bytes.size || fclose(file) != 0)
+        case_fail(out);
+    host_buffer_free(&bytes);
+    host_volume_free(image);
+}
+
 /* Writes the slices of an image from z mm on. The axes are the patient's. */
 static void crop(const char *path, double z, const char *out)
 {
     host_volume image;
     host_error error = {0};
-    host_buffer bytes = {0};
     if (host_volume_read(path, &image, &error) != 0)
         case_fail(path);
     const double first = ceil((z - (double)image.origin[2]) / (double)image.spacing[2]);
@@ -20,15 +32,32 @@ static void crop(const char *path, double z, const char *out)
         case_fail("no slice is left");
     image.size[2] -= from;
     image.origin[2] += (float)from * image.spacing[2];
-    host_volume_write_header(&image, image.type, 1, "", out, &bytes);
-    const size_t voxel = host_volume_voxel_bytes(image.type), skipped = voxel * slice * from;
-    host_volume_write_values((unsigned char *)image.voxels + skipped, image.type, (size_t)slice * image.size[2],
-                             &bytes);
-    FILE *const file = fopen(out, "wb");
-    if (file == NULL || bytes.failed || fwrite(bytes.data, 1, bytes.size, file) != bytes.size || fclose(file) != 0)
-        case_fail(out);
-    host_buffer_free(&bytes);
-    host_volume_free(&image);
+    write_volume(&image, (unsigned char *)image.voxels + host_volume_voxel_bytes(image.type) * slice * from, out);
+}
+
+/* FILE OUT SHARE SEED: the image with Rician noise: the length of the intensity plus noise, and of noise, both of a
+ * deviation of SHARE times the 99.5 percentile; rounded, and at most 255. */
+void case_rician(char **word)
+{
+    host_volume image;
+    host_error error = {0};
+    oracle_random r = oracle_seed((uint32_t)atoi(word[3]));
+    size_t n_of[256] = {0}, n = 0, below = 0;
+    int top = 0;
+    if (host_volume_read(word[0], &image, &error) != 0 || image.type != SMR_VOXEL_UINT8)
+        case_fail(word[0]);
+    unsigned char *const voxel = image.voxels;
+    n = (size_t)image.size[0] * image.size[1] * image.size[2];
+    for (size_t i = 0; i < n; i++)
+        n_of[voxel[i]]++;
+    while (top < 255 && (double)(below + n_of[top]) < 0.995 * (double)n)
+        below += n_of[top++];
+    for (size_t i = 0; i < n; i++) {
+        const double along = voxel[i] + atof(word[2]) * top * case_random_normal(&r);
+        const double across = atof(word[2]) * top * case_random_normal(&r);
+        voxel[i] = (unsigned char)fmin(sqrt(along * along + across * across) + 0.5, 255.0);
+    }
+    write_volume(&image, voxel, word[1]);
 }
 
 /* Writes the landmarks of a file that lie above z mm in `there`. */

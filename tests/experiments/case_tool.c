@@ -14,7 +14,7 @@ static const char usage[] =
     "case_tool kind SEED DATA DIR [NAME]                  a run that verdicts are judged by\n"
     "case_tool measure DIR RESULT                         how far a result of the case is from its truth\n"
     "case_tool cloud DIR OUT N NOISE STRAYS BLOB SEED     points on the case's target, with shares of outliers\n"
-    "case_tool displaced | spread | click | depths | noisy | crop    inputs of single experiments\n"
+    "case_tool displaced | spread | click | depths | noisy | crop | rician    inputs of single experiments\n"
     "case_tool apart A B | size FILE... | vertices FILE   figures of surfaces\n"
     "case_tool feed | follow                              registrations that the command line cannot do\n"
     "Figures are lines \"name value\", in mm.\n";
@@ -184,12 +184,12 @@ int main(int argc, char **argv)
         const char *name;
         int least; /* words */
         void (*run)(char **word);
-    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},     {"kind", 3, do_kind},
-               {"measure", 2, do_measure},   {"apart", 2, do_apart},   {"size", 1, do_size},
-               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},   {"displaced", 4, case_displaced},
-               {"spread", 7, case_spread},   {"click", 4, case_click}, {"depths", 4, case_depths},
-               {"feed", 7, case_feed},       {"cloud", 7, case_cloud}, {"follow", 1, case_follow},
-               {"crop", 7, case_crop}};
+    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},      {"kind", 3, do_kind},
+               {"measure", 2, do_measure},   {"apart", 2, do_apart},    {"size", 1, do_size},
+               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},    {"displaced", 4, case_displaced},
+               {"spread", 7, case_spread},   {"click", 4, case_click},  {"depths", 4, case_depths},
+               {"feed", 7, case_feed},       {"cloud", 7, case_cloud},  {"follow", 1, case_follow},
+               {"crop", 7, case_crop},       {"rician", 4, case_rician}};
     for (size_t i = 0; argc > 1 && i < sizeof all / sizeof all[0]; i++)
         if (strcmp(argv[1], all[i].name) == 0 && argc - 2 >= all[i].least) {
             all[i].run(argv + 2);

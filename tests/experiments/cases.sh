@@ -2,7 +2,7 @@
 # cases: experiments on data as they are, a function for each group; written with the words of experiments.sh, which reads it.
 # SPDX-License-Identifier: MIT
 
-groups='thigh parts track persons references volume contact landmarks scene verdict shown points mri ct fusing' # the longest first
+groups='thigh parts track persons references volume contact landmarks scene verdict shown noise points mri ct fusing' # the longest first
 ! full || groups="views carry $groups"
 
 thigh='--model data/hip_thigh_vhm/*.ply --reference data/thigh_patient/mri_reference.mha'
@@ -58,6 +58,24 @@ group_thigh() {
     within polar apart 0.1
     register paper $thigh $(into patient) --paper # a reference written independently came to 0.19 and 0.22 mm
     within paper to 0.25 from 0.25
+}
+
+# Rician noise of 5, 10 and 20 % of the images' 99.5 percentile.
+group_noise() {
+    need hip_thigh_vhm thigh_patient thigh_person || return
+    smr build $thigh -o thigh.smr
+    noise() { # who, percent, bound on the larger mean
+        tool rician data/thigh_$1/mri_$1.mha noise.mha $(echo $2 | awk '{ print $1 / 100 }') 1
+        register $1_$2 --model thigh.smr --target noise.mha --truth data/thigh_$1/truth $(marks $1)
+        within $1_$2 mean $3 folds 0
+    }
+    noise patient 10 0.17
+    full || return 0
+    noise patient 5 0.13
+    noise patient 20 0.3
+    noise person 5 0.74
+    noise person 10 0.76
+    noise person 20 0.84
 }
 
 apart() { # row, row: mean distance between vertices of the same index

@@ -221,6 +221,7 @@ fill_from() { group=$1; shift; for section; do fill "$section" "$build/experimen
 
 part_ct() { experiments short ct && fill_from ct ct; }
 part_thigh() { experiments all thigh mri && fill_from thigh patient_spoiled person_spoiled shares methods && fill_from mri mri; }
+part_noise() { experiments all noise && fill_from noise noise; }
 part_parts() { experiments all parts persons points && fill_from parts parts && fill_from persons parts && fill_from points points; }
 part_references() { experiments all references && fill_from references references; }
 part_scene() { experiments all scene && fill_from scene scene; }
@@ -325,7 +326,7 @@ part_sizes() {
 # ---------------------------------------------------------------- all of them, cheap ones first
 
 parts='clusters bone example pairs sides peers demo images ct paper sizes bench moved'
-[ "$mode" = short ] || parts="$parts thigh figure2 parts references verdict track"
+[ "$mode" = short ] || parts="$parts thigh noise figure2 parts references verdict track"
 for part in ${PARTS:-$parts}; do "part_$part"; done
 
 old=docs/RESULTS.md

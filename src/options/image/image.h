@@ -44,6 +44,8 @@ typedef struct smr_image_goals {
     uint32_t has_image;             /* 1: structures without a target surface follow the image */
     uint32_t n_invisible;           /* number of vertices that the image does not show */
     smr_grid grid;                  /* target image */
+    float noise;                    /* standard deviation of the target image's noise, intensity */
+    float noise_level;              /* mean of the noise levels of structures, intensity */
     smr_image_structure *structure; /* [n_structures] results and settings of each structure's search in the image */
     uint32_t ring_pieces;           /* tasks of a structure in the smoothing step; 0 or 1: one task */
     uint8_t *contrast;              /* [n] image's contrast / profile's * SMR_CONTRAST_ONE, at each goal; 0: unknown */
@@ -58,6 +60,7 @@ static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
 void smr_image_goals_reset(smr_image_goals *g);                       /* discards contrast, brightness and `idle` */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* sets the target image; NULL: none */
+void smr_image_goals_see(smr_image_goals *g, const smr_grid *image);  /* stores the target image and its noise */
 void smr_image_goals_derive(smr_image_goals *g);                      /* sets each structure's noise, and n_invisible */
 void smr_image_goals_commit(smr_image_goals *g); /* when forces are complete: keeps contrast and brightness */
 

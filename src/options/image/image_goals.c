@@ -1,7 +1,8 @@
 /* image_goals.c: goals in the target image (paper 2.1). The reference intensity profile is searched for along the
  * normal within one distance, an edge similar to the reference's edge within another. Both goals are averaged by
  * confidence. A tangential shift may improve the match. Search distances fall linearly with the schedule.
- * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex; SMR_LINE_MAX offsets of SMR_PROFILE_MAX multiply-adds.
+ * Bounds: SMR_LINE_MAX (in noise 8 SMR_LINE_MAX) + 4 SMR_PROFILE_MAX samples a vertex; SMR_LINE_MAX offsets of
+ * SMR_PROFILE_MAX multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
 #include "image/intensity_profile.h"
@@ -10,6 +11,8 @@
 #define SMR_LONG 16.0f       /* search distance, in samples, above which only every SMR_HOP-th profile sample is used */
 #define SMR_HOP 2u           /* distance, in samples, of the samples used in a long search */
 #define SMR_NOISE 0.1f       /* noise level / mean range of a structure's profiles */
+#define SMR_NOISY 1.0f       /* noise of the image / mean noise level of structures above which samples are averaged */
+#define SMR_NOISY_EDGE 2.0f  /* the same ratio, from which on the confidence of edges falls, down to a half */
 #define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */
 #define SMR_SIDE_SHARE 0.25f /* largest shift / search distance of profiles; the larger largest shift holds */
 
@@ -85,9 +88,19 @@ static float noise_of(const smr_model *m, const smr_shape_structure *one)
 
 void smr_image_goals_derive(smr_image_goals *g)
 {
-    for (uint32_t k = 0; k < g->shared->n_structures; k++)
+    float sum = 0.0f;
+    for (uint32_t k = 0; k < g->shared->n_structures; k++) {
         g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
+        sum += g->structure[k].noise;
+    }
+    g->noise_level = sum / (float)g->shared->n_structures;
     count_invisible(g);
+}
+
+void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)
+{
+    g->grid = *image;
+    g->noise = smr_grid_noise(image);
 }
 
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
@@ -95,7 +108,7 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
     g->has_image = image != NULL;
     if (image == NULL)
         return;
-    g->grid = *image;
+    smr_image_goals_see(g, image);
     smr_image_goals_derive(g);
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
         g->structure[k].gain = 1.0f; /* equal contrast until goals are found */
@@ -291,17 +304,22 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * smr_le32(m->profile_samples);
     for (uint32_t k = 0; k < r.n; k++)
         value[k] = stored[r.first + k * r.hop];
-    const int whole = smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside) == l.n;
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
+    const float noise = c->image.blend == SMR_BLEND_PLAIN ? 0.0f : g->noise / g->noise_level; /* the paper: 0 */
+    const uint32_t n_inside = noise > SMR_NOISY
+                                  ? smr_grid_thick_line(&g->grid, noise, l.start, l.step, l.n, line, inside)
+                                  : smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside);
+    const int whole = n_inside == l.n;
     /* the reference profile plus the mean difference of brightness between image and profiles */
     const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n};
     const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
                                 c->image.blend == SMR_BLEND_PLAIN};
     if (l.reach > 0u)
         match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
-    const smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
+    smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
+    edge.confidence *= smr_clamp(SMR_NOISY_EDGE / noise, 0.5f, 1.0f);
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > c->image.confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : smr_image_shows(g, v) ? SMR_UNDECIDED : hidden(g, v);

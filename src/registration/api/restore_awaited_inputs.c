@@ -215,7 +215,8 @@ static smr_status await_volume(smr *s, const smr_volume *volume)
     smr_grid grid;
     SMR_TRY(smr_grid_open(volume, &grid));
     SMR_TRY(take(s, s->shared.n_structures, smr_volume_checksum(volume)));
-    s->forces.image.grid = grid;
+    if (SMR_HAS_IMAGE)
+        smr_image_goals_see(&s->forces.image, &grid);
     return SMR_OK;
 }
 
