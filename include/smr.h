@@ -286,9 +286,10 @@ typedef struct smr_verdict {
     float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
 
-/* Measures and judges one structure, or SMR_ALL, without a change of the result, on one thread. The cost is a closest
- * point for each vertex and target triangle, and about 9,000 multiplications for each vertex. Errors: E_NULL, E_INPUT,
- * E_STATE (no registration; within a tick; a changed target; an iteration under way: tick until SMR_OK). */
+/* Measures and judges one structure, or SMR_ALL, without a change of the result, on the port's threads. The cost is a
+ * closest point for each vertex and target triangle, and about 9,000 multiplications for each vertex. In pieces:
+ * smr_verdict_begin(). Errors: E_NULL, E_INPUT, E_STATE (no registration; within a tick; a changed target; an iteration
+ * under way: tick until SMR_OK). */
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict);
 
 /* Returns one sentence for one bit of smr_verdict.reasons: measure and advice. Any other argument gives "". */
@@ -308,6 +309,22 @@ struct smr_port {
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
     uint64_t (*now_ns)(void *ctx); /* returns monotonic nanoseconds; NULL: no clock, and budgets and times are 0 */
 };
+
+/* A call in pieces, for little time at once. smr_NAME_begin() checks and borrows the call's arguments; the state lies
+ * in the caller's job, which may be left at any time. smr_job_step() does the work. */
+#define SMR_JOB_BYTES 2048u
+typedef union smr_job {
+    uint64_t align;
+    void *pointer;
+    unsigned char bytes[SMR_JOB_BYTES];
+} smr_job;
+
+/* Continues a job for `units` pieces of about 100,000 instructions at most (0: no limit), or until budget_ns passed by
+ * the port's clock (0, or no clock: no limit), to the end of a piece on each worker. port NULL: the port that the
+ * call has anyway, or none. Limits and threads change no bit. SMR_OK: the results are written. SMR_PARTIAL: work is
+ * left. Errors: E_NULL, E_CONFIG (n_workers), E_STATE (no job; a registration that has since got a tick, a setter or
+ * another measure; the port, as in smr_tick()), those of the call NAME. */
+smr_status smr_job_step(smr_job *job, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
 /* Tests whether compiler and processor compute float arithmetic as the library needs. Returns 0, or a sum of
  * SMR_FLOAT_...; any flag means that results have other bits than elsewhere. The test needs no memory and some hundred
@@ -339,6 +356,10 @@ uint32_t smr_self_test(void);
  * true surface; one part may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
+
+/* Begin smr_get_verdict(), and smr_get_expected_error() with its parts, in pieces; unwanted arrays may be NULL. */
+smr_status smr_verdict_begin(smr *s, uint32_t structure, smr_verdict *verdict, smr_job *job);
+smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm, smr_job *job);
 
 /* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex; 0: the vertex
  * follows other vertices. smr_get_normals() writes xyz[n_vertices][3], in the caller's order: unit normals, or 0 where

@@ -128,6 +128,7 @@ smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, flo
     if ((structure != SMR_ALL && structure >= s->shared.n_structures) || !(radius_mm >= 0.0f) ||
         radius_mm > SMR_COORD_MAX)
         return SMR_E_INPUT;
+    s->n_measured++;
     begin(&l, s, radius_mm);
     record(&l, 0);
     record(&l, 1);

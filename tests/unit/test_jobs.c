@@ -1,0 +1,193 @@
+/* test_jobs.c: a call in pieces gives the bits of the whole call, however it is cut and whoever runs the pieces; what
+ * changes under a job ends it.
+ * SPDX-License-Identifier: MIT */
+#include "suite.h"
+
+#include <string.h>
+
+#include "property/rig_cloud.h"
+#include "registration/registration.h"
+
+#define RESULT_WORDS 30000u
+
+/* What the calls read and write. */
+typedef struct scene {
+    smr *s;
+    uint32_t structure;
+    smr_mesh source, target;
+    const smr_surface *surface[2];
+    smr_job job;
+    float result[RESULT_WORDS];
+} scene;
+
+/* A call: whole, and its begin. Both write to e->result. */
+typedef struct call {
+    smr_status (*whole)(scene *e);
+    smr_status (*begin)(scene *e);
+} call;
+
+static smr_status whole_verdict(scene *e)
+{
+    return smr_get_verdict(e->s, e->structure, (smr_verdict *)(void *)e->result);
+}
+static smr_status begin_verdict(scene *e)
+{
+    return smr_verdict_begin(e->s, e->structure, (smr_verdict *)(void *)e->result, &e->job);
+}
+static smr_status whole_expected(scene *e)
+{
+    const smr_status status = smr_get_expected_error(e->s, 0, e->result);
+    return status != SMR_OK ? status : smr_get_expected_parts(e->s, 0, e->result + 10000, e->result + 20000);
+}
+static smr_status begin_expected(scene *e)
+{
+    return smr_expected_begin(e->s, 0, e->result, e->result + 10000, e->result + 20000, &e->job);
+}
+
+static const call verdict = {whole_verdict, begin_verdict}, expected = {whole_expected, begin_expected};
+
+/* Runs a begun job in slices of `units`. Returns the number of slices. */
+static uint32_t run(scene *e, uint32_t units, const smr_port *port)
+{
+    smr_status status = SMR_PARTIAL;
+    uint32_t slices = 0;
+    for (; status == SMR_PARTIAL; slices++)
+        status = smr_job_step(&e->job, units, port, 0);
+    assert_int_equal(SMR_OK, status);
+    assert_int_equal(SMR_OK, smr_job_step(&e->job, units, port, 0)); /* and stays so */
+    return slices;
+}
+
+/* Compares all ways to cut and to run a call. */
+static void check_call(scene *e, const call *c)
+{
+    static const uint32_t units[] = {0, 1, 7};
+    float *const whole = rig_alloc(sizeof e->result);
+    uint32_t slices[3];
+    memset(e->result, 0, sizeof e->result);
+    assert_int_equal(SMR_OK, c->whole(e));
+    memcpy(whole, e->result, sizeof e->result);
+    for (uint32_t workers = 1; workers <= 3u; workers++)
+        for (uint32_t i = 0; i < 3u; i++) {
+            const smr_port port = rig_port(workers == 1u   ? RIG_PLAIN
+                                           : workers == 2u ? RIG_REVERSE
+                                                           : RIG_SHUFFLE,
+                                           workers);
+            memset(e->result, 0, sizeof e->result);
+            assert_int_equal(SMR_OK, c->begin(e));
+            slices[i] = run(e, units[i], workers == 1u ? NULL : &port);
+            assert_memory_equal(whole, e->result, sizeof e->result);
+        }
+    assert_true(slices[0] == 1u && slices[1] > 10u && slices[2] <= slices[1] / 7u + 1u);
+}
+
+/* Two bones side by side, registered for a while. shown: 0 nothing, 1 surfaces, 2 a cloud, 3 landmarks. */
+static scene *start(uint32_t shown)
+{
+    const smr_prepare_config radii = rig_radii(2, 110, 60, 0);
+    const float same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, aside[3] = {150, 0, 0};
+    scene *const e = rig_alloc(sizeof *e);
+    smr_config config = smr_config_default();
+    rig_bone(8000, 1.0f, &e->source, &e->target);
+    const smr_mesh both[2] = {e->source, rig_moved(&e->source, same, aside)};
+    config.partial.n_landmarks = 8;
+    config.basic.n_target_vertices = 2u * e->target.n_vertices;
+    e->s = rig_init(rig_model(both, 2, &radii), &config, NULL);
+    if (shown == 1u)
+        assert_int_equal(SMR_OK, smr_set_surface(e->s, 0, rig_surface(&e->target)));
+    if (shown == 2u) {
+        smr_points *const cloud = rig_cloud(e->target.n_vertices);
+        assert_int_equal(SMR_OK, smr_points_add(cloud, e->target.xyz, NULL, NULL, e->target.n_vertices));
+        assert_int_equal(SMR_OK, smr_set_points(e->s, 0, cloud));
+    }
+    if (shown == 3u) {
+        smr_landmark l[8];
+        for (uint32_t i = 0; i < 8u; i++) {
+            l[i] = (smr_landmark){.structure = 0, .vertex = i * (e->source.n_vertices / 8u), .weight = 1};
+            memcpy(l[i].place, e->target.xyz + 3u * (size_t)(i * (e->target.n_vertices / 8u)), sizeof l[i].place);
+        }
+        assert_int_equal(SMR_OK, smr_set_landmarks(e->s, l, 8));
+    }
+    (void)rig_run(e->s, 12);
+    return e;
+}
+
+TEST(verdicts)
+{
+    for (uint32_t shown = 0; shown < 4u; shown++) {
+        scene *const e = start(shown);
+        check_call(e, &expected);
+        check_call(e, &verdict);
+        e->structure = SMR_ALL;
+        check_call(e, &verdict);
+    }
+}
+
+/* A clock ends a slice after the piece in which the budget ends. */
+TEST(budgets)
+{
+    rig_clock clock = {0};
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    scene *const e = start(1);
+    assert_int_equal(SMR_OK, begin_verdict(e));
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e->job, 0, &port, 5000));
+    assert_int_equal(6, clock.readings);
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e->job, 2, &port, 5000));
+    assert_int_equal(9, clock.readings);
+}
+
+static smr_status tick(scene *e) { return smr_tick(e->s, 0, NULL); }
+static smr_status partial_tick(scene *e) { return smr_tick(e->s, 1, NULL) == SMR_PARTIAL ? SMR_OK : SMR_E_STATE; }
+static smr_status pose(scene *e)
+{
+    const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    return smr_set_pose(e->s, &identity);
+}
+static smr_status active(scene *e) { return smr_set_active(e->s, 100000); }
+static smr_status volumes(scene *e) { return smr_get_local_volume(e->s, SMR_ALL, 0, e->result); }
+
+/* Ticks, setters and other measures end a job, and nothing else does. */
+TEST(stale)
+{
+    smr_status (*const other[])(scene * e) = {tick, pose, active, volumes, whole_verdict, begin_expected, partial_tick};
+    rig_clock clock = {0};
+    scene *const e = start(1);
+    smr_job never;
+    e->s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    for (uint32_t i = 0; i < sizeof other / sizeof other[0]; i++) {
+        assert_int_equal(SMR_OK, begin_verdict(e));
+        smr_job old = e->job;
+        assert_int_equal(SMR_PARTIAL, smr_job_step(&old, 5, NULL, 0));
+        assert_int_equal(SMR_OK, smr_get_visible(e->s, 0, (unsigned char *)e->result));
+        assert_int_equal(SMR_PARTIAL, smr_job_step(&old, 5, NULL, 0));
+        assert_int_equal(SMR_OK, other[i](e));
+        assert_int_equal(SMR_E_STATE, smr_job_step(&old, 5, NULL, 0));
+        assert_int_equal(SMR_E_STATE, smr_job_step(&old, 5, NULL, 0));
+    }
+    assert_int_equal(SMR_E_STATE, begin_verdict(e)); /* an iteration is under way */
+    memset(&never, 0, sizeof never);
+    assert_int_equal(SMR_E_STATE, smr_job_step(&never, 0, NULL, 0));
+    assert_int_equal(SMR_E_NULL, smr_job_step(NULL, 0, NULL, 0));
+    assert_int_equal(SMR_E_NULL, smr_verdict_begin(e->s, 0, NULL, &never));
+    assert_int_equal(SMR_E_NULL, smr_verdict_begin(e->s, 0, (smr_verdict *)(void *)e->result, NULL));
+    assert_int_equal(SMR_E_NULL, smr_expected_begin(e->s, 0, NULL, NULL, NULL, &never));
+}
+
+/* A port that leaves out tasks, or has no worker, is refused. */
+static void lose(void *ctx, smr_task task, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t t = 1; t < n_tasks; t++)
+        task(arg, t, 0);
+}
+
+TEST(ports)
+{
+    const smr_port bad = {NULL, 2, lose, NULL}, none = {NULL, 0, NULL, NULL};
+    scene *const e = start(1);
+    assert_int_equal(SMR_OK, begin_verdict(e));
+    assert_int_equal(SMR_E_CONFIG, smr_job_step(&e->job, 0, &none, 0));
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e->job, 0, &bad, 0));
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e->job, 0, NULL, 0));
+    assert_int_equal(SMR_OK, whole_verdict(e));
+}
