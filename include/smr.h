@@ -772,10 +772,12 @@ typedef struct smr_contact_report {
     float area_mm2;   /* mm^2. Area of a surface inside the other, or within within_mm of the other; mean of both */
 } smr_contact_report;
 
-/* Measures the contact of two surfaces; clouds are refused. within_mm: 0..100, the distance that counts as contact. The
- * call takes about as long as the closest points of both surfaces' vertices. For a result, pass surfaces built of the
- * structures' positions. Errors: E_NULL, E_STATE (not a complete surface with triangles), E_INPUT. */
+/* Measure the contact of two surfaces, in pieces and at once; clouds are refused. within_mm: 0..100, the distance that
+ * counts as contact. The call takes about as long as the closest points of both surfaces' vertices, and no time for
+ * surfaces whose boxes are apart. For a result, pass surfaces built of the structures' positions. Errors: E_NULL, E_STATE (not a complete surface with triangles), E_INPUT. */
 smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report);
+smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b, float within_mm,
+                                     smr_contact_report *report, smr_job *job);
 
 /* Sets the asked volume of a closed structure, or of each closed structure (SMR_ALL): ratio, 0.1..10, times the rest
  * shape's volume in the scale of the start. The scale of the start is that of the similarity that best lays the model's

@@ -44,6 +44,17 @@ static smr_status begin_expected(scene *e)
     return smr_expected_begin(e->s, 0, e->result, e->result + 10000, e->result + 20000, &e->job);
 }
 
+static smr_status whole_contact(scene *e)
+{
+    return smr_surface_contact(e->surface[0], e->surface[1], 0.5f, (smr_contact_report *)(void *)e->result);
+}
+static smr_status begin_contact(scene *e)
+{
+    return smr_surface_contact_begin(e->surface[0], e->surface[1], 0.5f, (smr_contact_report *)(void *)e->result,
+                                     &e->job);
+}
+
+static const call contact = {whole_contact, begin_contact};
 static const call verdict = {whole_verdict, begin_verdict}, expected = {whole_expected, begin_expected};
 
 /* Runs a begun job in slices of `units`. Returns the number of slices. */
@@ -121,6 +132,24 @@ TEST(verdicts)
         e->structure = SMR_ALL;
         check_call(e, &verdict);
     }
+}
+
+/* Two bones through each other; a surface that changes ends the job. */
+TEST(contacts)
+{
+    scene *const e = rig_alloc(sizeof *e);
+    rig_bone(8000, 1.0f, &e->source, &e->target);
+    smr_surface *const refitted = rig_surface(&e->target);
+    e->surface[0] = rig_surface(&e->source);
+    e->surface[1] = refitted;
+    check_call(e, &contact);
+    assert_true(e->result[0] > 10.0f && e->result[2] > 1.0e5f && e->result[3] > 1.0e4f);
+    assert_int_equal(SMR_OK, begin_contact(e));
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e->job, 3, NULL, 0));
+    assert_int_equal(SMR_OK, smr_surface_refit(refitted, e->target.xyz));
+    while (smr_surface_step(refitted, 1, NULL, 0) == SMR_PARTIAL)
+        assert_int_equal(SMR_E_STATE, smr_job_step(&e->job, 3, NULL, 0));
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e->job, 3, NULL, 0));
 }
 
 /* A clock ends a slice after the piece in which the budget ends. */
