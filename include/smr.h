@@ -774,7 +774,8 @@ typedef struct smr_contact_report {
 
 /* Measure the contact of two surfaces, in pieces and at once; clouds are refused. within_mm: 0..100, the distance that
  * counts as contact. The call takes about as long as the closest points of both surfaces' vertices, and no time for
- * surfaces whose boxes are apart. For a result, pass surfaces built of the structures' positions. Errors: E_NULL, E_STATE (not a complete surface with triangles), E_INPUT. */
+ * surfaces whose boxes are apart. For a result, pass surfaces built of the structures' positions. Errors: E_NULL,
+ * E_STATE (not a complete surface with triangles, or changed since the begin), E_INPUT. */
 smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report);
 smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b, float within_mm,
                                      smr_contact_report *report, smr_job *job);

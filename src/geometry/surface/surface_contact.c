@@ -1,8 +1,7 @@
 /* surface_contact.c: overlap of two closed surfaces: deepest penetration, overlapping volume, area in contact. Depth
  * and area are measured at the vertices of both surfaces and at three points of each triangle that can reach the
- * other surface. Between two places the distance to a surface changes by their distance at most, which saves searches
- * that can change nothing. The volume is a sum over a grid of lines, on each of which the length inside both surfaces is
- * exact. A job (base/job.h).
+ * other surface. Between two places the distance to a surface changes by their distance at most, which saves searches.
+ * The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact. A job (job.h).
  * Bounds: four searches a triangle and one a leaf, one a vertex; SMR_LINES^2 lines of two passes through a tree.
  * SPDX-License-Identifier: MIT */
 #include "base/job.h"
@@ -60,8 +59,8 @@ static int find_side(const sweep *s, smr_vec p, float most, float deep, place *t
 /* Returns the distance between two places, rounded up. */
 static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_ROUNDED + SMR_ROUNDED_MM; }
 
-/* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper than
- * the deepest place so far. Returns 0 when that is not known. */
+/* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper
+ * than the deepest place so far. Returns 0 when that is not known. */
 static int adds_surely(const sweep *s, const place *at, float way, found *f, float area)
 {
     if (!(smr_abs(at->side) > way && at->side + way <= s->within &&
@@ -83,8 +82,8 @@ static void add_point(const sweep *s, smr_vec p, float third, const place *middl
     f->sum += at.side <= s->within ? third : 0.0f;
 }
 
-/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place whose
- * side is known, or unknown; becomes the triangle's middle after a search. */
+/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place, with
+ * a known side or not; becomes the triangle's middle after a search. */
 static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;

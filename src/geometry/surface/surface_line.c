@@ -1,5 +1,5 @@
-/* surface_line.c: crossings of lines along an axis with surfaces of triangles, and what follows from them: whether a point
- * is inside, and the length of a line inside two surfaces.
+/* surface_line.c: crossings of lines along an axis with surfaces of triangles, and what follows from the crossings:
+ * whether a point is inside, and the length of a line inside two surfaces.
  * Bounds: a walk down the box tree; SMR_CROSSINGS crossings with one surface.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
