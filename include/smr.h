@@ -519,6 +519,7 @@ typedef struct smr_align_config {
     uint32_t iterations;   /* 1..1000, default 60. Number of closest-point iterations of the last refinement */
     uint32_t samples;      /* 16..100000, default 600. Number of points taken from each surface */
     const smr_pose *given; /* known pose of the model, tried as well; NULL (default): the identity */
+    const smr_port *port;  /* threads that share the work; NULL (default): one */
 } smr_align_config;
 smr_align_config smr_align_config_default(void);
 
@@ -545,6 +546,8 @@ typedef struct smr_align_report {
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report);
+smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
+                           void *memory, size_t bytes, smr_pose *pose, smr_align_report *report, smr_job *job);
 
 /* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm. scaled 0: the pose is rigid. scaled 1:
  * the pose has one scale, the ratio of the spreads. *rms_mm (may be NULL) is the root mean square of the remaining

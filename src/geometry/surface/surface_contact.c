@@ -82,8 +82,8 @@ static void add_point(const sweep *s, smr_vec p, float third, const place *middl
     f->sum += at.side <= s->within ? third : 0.0f;
 }
 
-/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place, with
- * a known side or not; becomes the triangle's middle after a search. */
+/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place whose
+ * side is known or not; becomes the triangle's middle after a search. */
 static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;

@@ -12,8 +12,6 @@
 #define SMR_COARSE_LANES 8u    /* number of pairs that a vectorised loop computes together */
 #define SMR_COARSE_LIMIT 0.15f /* distance beyond which samples do not match / smaller spread; above their spacing */
 #define SMR_ALONG 0.3f         /* weight of the squared distance along the surface, where the distance across has 1 */
-#define SMR_CUBE 24u           /* number of rotations of a cube */
-#define SMR_TURNS 8u           /* number of further rotations; each is combined with all rotations of the cube */
 #define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
 #define SMR_DIAG 0.604599788f  /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
 #define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's ends / its length, for rounding */
@@ -187,19 +185,20 @@ static void set_shift(const smr_aligner *a, const smr_coarse *c, uint32_t k, smr
     smr_pose_through(pose, smr_v(0, 0, 0), smr_add(move, smr_scale(along, by - smr_dot(move, along))));
 }
 
-void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
-                      smr_pose_list *found)
+void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_search *search, uint32_t task,
+                   smr_pose *pose, float *cost)
 {
-    for (uint32_t k = 0; k < SMR_CUBE * SMR_TURNS; k++) {
-        smr_pose pose;
-        smr_pose_list best;
-        smr_list_start(&best, 2);
-        set_rotation(a, k, scale, mirrored, &pose);
-        for (uint32_t s = 0; s < n_shifts; s++) {
-            set_shift(a, c, s, &pose);
-            smr_list_insert(&best, &pose, coarse_cost(c, &pose));
-        }
-        for (uint32_t i = 0; i < best.n; i++)
-            smr_list_insert(found, &best.pose[i], best.cost[i]);
-    }
+    set_rotation(a, task / search->n_shifts, search->scale, search->mirrored, pose);
+    set_shift(a, c, task % search->n_shifts, pose);
+    *cost = coarse_cost(c, pose);
+}
+
+void smr_align_tried(smr_coarse_search *search, uint32_t task, const smr_pose *pose, float cost, smr_pose_list *found)
+{
+    const uint32_t shift = task % search->n_shifts;
+    if (shift == 0u)
+        smr_list_start(&search->best, 2);
+    smr_list_insert(&search->best, pose, cost);
+    for (uint32_t i = 0; i < search->best.n && shift + 1u == search->n_shifts; i++)
+        smr_list_insert(found, &search->best.pose[i], search->best.cost[i]);
 }
