@@ -9,7 +9,7 @@
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
-#define SMR_MEASURE_PIECE 32u   /* vertices, triangles or points in a task that searches for each of them */
+#define SMR_MEASURE_PIECE 16u   /* vertices, triangles or points in a task that searches for each of them */
 
 /* Returns the share of a triangle's corners that are visible. */
 static float visible_part(const smr_judgement *j, const uint32_t *t)

@@ -11,8 +11,9 @@
 #define SMR_DEPTH_MOST 100.0f  /* mm: greater depths count as this depth */
 #define SMR_LINES 64u          /* largest number of lines of the volume's grid along each of two axes */
 #define SMR_LINE_MM 0.25f      /* smallest distance between two lines, mm */
-#define SMR_LINES_TASK 16u     /* lines in a task */
-#define SMR_VERTICES_TASK 32u  /* vertices in a task */
+#define SMR_LINES_TASK 8u      /* lines in a task */
+#define SMR_VERTICES_TASK 8u   /* vertices in a task */
+#define SMR_CONTACT_LEAVES 24u /* leaves that are tested before the triangles of the near ones are measured */
 #define SMR_CONTACT_PLACES 16u /* tasks whose results wait to be added */
 #define SMR_ROUNDED 1.001f     /* factor on lengths that must not be too short by rounding */
 #define SMR_ROUNDED_MM 1.0e-4f /* added to such lengths, mm */
@@ -82,8 +83,8 @@ static void add_point(const sweep *s, smr_vec p, float third, const place *middl
     f->sum += at.side <= s->within ? third : 0.0f;
 }
 
-/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place whose
- * side is known or not; becomes the triangle's middle after a search. */
+/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place
+ * whose side is known or not; becomes the triangle's middle after a search. */
 static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;
@@ -125,19 +126,14 @@ static smr_box box_of_node(const smr_node *node)
 
 static smr_box box_of(const smr_surface *s) { return box_of_node(&s->tree.node[s->tree.level[s->tree.n_levels - 1u]]); }
 
-/* Measures the triangles of a leaf of a, unless its middle is so far outside of b that none can reach b. */
-static void sweep_leaf(const sweep *s, uint32_t leaf, found *f)
+/* Finds the side of the middle of a leaf of a. Returns 0 when it is so far outside of b that no triangle can reach it. */
+static int leaf_is_near(const sweep *s, uint32_t leaf, place *middle)
 {
     const smr_box box = box_of_node(&s->a->tree.node[leaf]);
-    const uint32_t first = leaf * SMR_TREE_WIDTH, last = smr_min_u32(first + SMR_TREE_WIDTH, s->a->tree.n_triangles);
     const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_ROUNDED;
-    place middle = {.warm = SMR_NONE};
-    if (!find_side(s, smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift), reach, SMR_DEPTH_MOST + half,
-                   &middle) ||
-        middle.side > reach)
-        return;
-    for (uint32_t k = first; k < last; k++)
-        sample_triangle(s, k, &middle, f);
+    const smr_vec at = smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift);
+    middle->warm = SMR_NONE;
+    return find_side(s, at, reach, SMR_DEPTH_MOST + half, middle) && middle->side <= reach;
 }
 
 /* Measures the depth of the vertices first .. last-1 of a that have triangles: those have an area. */
@@ -155,6 +151,12 @@ static void sweep_vertices(const sweep *s, smr_piece piece, found *f)
     }
 }
 
+/* A leaf whose triangles may reach the other surface. */
+typedef struct near_leaf {
+    uint32_t leaf; /* number among the leaves of a, then of b; SMR_NONE: far */
+    place middle;
+} near_leaf;
+
 /* A measurement in progress. */
 typedef struct contact {
     smr_job_head head;
@@ -167,6 +169,8 @@ typedef struct contact {
     float du, dv;                    /* distances of the lines, mm */
     float length;                    /* length of all lines inside both surfaces so far, mm */
     found place[SMR_CONTACT_PLACES]; /* results of tasks */
+    uint32_t leaf, n_near; /* first leaf of a, then of b, that is tested now; number of near ones among those tested */
+    near_leaf near[SMR_CONTACT_LEAVES];
 } contact;
 
 _Static_assert(sizeof(contact) <= SMR_JOB_BYTES, "a measurement in progress lies in the caller's job");
@@ -180,16 +184,14 @@ static found *place_of(contact *c, uint32_t task)
     return f;
 }
 
-/* Adds the results of tasks, of which the first `of_a` belong to the sweep of a in b. */
-static void take(contact *c, uint32_t first, uint32_t last, uint32_t of_a)
+/* Adds the results of a task to a sweep. */
+static void take(contact *c, uint32_t task, uint32_t i)
 {
-    for (uint32_t task = first; task < last; task++) {
-        const found *f = &c->place[task % SMR_CONTACT_PLACES];
-        found *const to = &c->sweep[task >= of_a].found;
-        to->near = (smr_box){smr_low(to->near.lo, f->near.lo), smr_high(to->near.hi, f->near.hi)};
-        to->deepest = smr_max(to->deepest, f->deepest);
-        to->sum += f->sum;
-    }
+    const found *f = &c->place[task % SMR_CONTACT_PLACES];
+    found *const to = &c->sweep[i].found;
+    to->near = (smr_box){smr_low(to->near.lo, f->near.lo), smr_high(to->near.hi, f->near.hi)};
+    to->deepest = smr_max(to->deepest, f->deepest);
+    to->sum += f->sum;
 }
 
 static uint32_t leaves_of(const contact *c, uint32_t i) { return smr_tree_leaves(&c->sweep[i].a->tree); }
@@ -198,14 +200,62 @@ static uint32_t pieces_of(const contact *c, uint32_t i)
     return smr_ceil_div(c->sweep[i].a->n_vertices, SMR_VERTICES_TASK);
 }
 
-static uint32_t leaf_tasks(const void *job) { return leaves_of(job, 0) + leaves_of(job, 1); }
+static uint32_t leaves(const contact *c) { return leaves_of(c, 0) + leaves_of(c, 1); }
 static uint32_t vertex_tasks(const void *job) { return pieces_of(job, 0) + pieces_of(job, 1); }
 
-static void run_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+static uint32_t leaf_tasks(const void *job)
+{
+    const contact *c = job;
+    return smr_min_u32(SMR_CONTACT_LEAVES, leaves(c) - c->leaf);
+}
+
+static void test_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     contact *c = job;
-    const uint32_t n = leaves_of(c, 0);
-    sweep_leaf(&c->sweep[task >= n], task < n ? task : task - n, place_of(c, task));
+    const uint32_t leaf = c->leaf + task, n = leaves_of(c, 0);
+    const int is_near = leaf_is_near(&c->sweep[leaf >= n], leaf < n ? leaf : leaf - n, &c->near[task].middle);
+    c->near[task].leaf = is_near ? leaf : SMR_NONE;
+}
+
+/* Keeps the near leaves, in their order. */
+static void keep_near(void *job, uint32_t first, uint32_t last)
+{
+    contact *c = job;
+    c->n_near = first == 0u ? 0u : c->n_near;
+    for (uint32_t task = first; task < last; task++)
+        if (c->near[task].leaf != SMR_NONE)
+            c->near[c->n_near++] = c->near[task];
+}
+
+static uint32_t triangle_tasks(const void *job) { return ((const contact *)job)->n_near * SMR_TREE_WIDTH; }
+
+static void run_triangle(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const near_leaf *near = &c->near[task / SMR_TREE_WIDTH];
+    const uint32_t n = leaves_of(c, 0), leaf = near->leaf < n ? near->leaf : near->leaf - n;
+    const sweep *s = &c->sweep[near->leaf >= n];
+    const uint32_t k = leaf * SMR_TREE_WIDTH + task % SMR_TREE_WIDTH;
+    place last = near->middle;
+    found *const f = place_of(c, task);
+    if (k < s->a->tree.n_triangles)
+        sample_triangle(s, k, &last, f);
+}
+
+static void take_triangles(void *job, uint32_t first, uint32_t last)
+{
+    contact *c = job;
+    for (uint32_t task = first; task < last; task++)
+        take(c, task, c->near[task / SMR_TREE_WIDTH].leaf >= leaves_of(c, 0));
+}
+
+/* Goes back to the test of the next leaves. */
+static void next_leaves(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    c->leaf += SMR_CONTACT_LEAVES;
+    if (c->leaf < leaves(c))
+        c->head.next_stage = 0;
 }
 
 static void run_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -216,8 +266,11 @@ static void run_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
                    place_of(c, task));
 }
 
-static void take_leaves(void *job, uint32_t first, uint32_t last) { take(job, first, last, leaves_of(job, 0)); }
-static void take_vertices(void *job, uint32_t first, uint32_t last) { take(job, first, last, pieces_of(job, 0)); }
+static void take_vertices(void *job, uint32_t first, uint32_t last)
+{
+    for (uint32_t task = first; task < last; task++)
+        take(job, task, task >= pieces_of(job, 0));
+}
 
 /* Sets the grid of lines through the box around the overlap. */
 static void begin_volume(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
@@ -285,7 +338,9 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
 }
 
 static const smr_stage stages[] = {
-    {leaf_tasks, run_leaf, places, take_leaves},
+    {leaf_tasks, test_leaf, NULL, keep_near},
+    {triangle_tasks, run_triangle, places, take_triangles},
+    {NULL, next_leaves, NULL, NULL}, /* back to the first stage */
     {vertex_tasks, run_vertices, places, take_vertices},
     {NULL, begin_volume, NULL, NULL},
     {line_tasks, run_lines, places, take_lines},

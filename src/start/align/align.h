@@ -207,7 +207,7 @@ void smr_align_tried(smr_coarse_search *search, uint32_t task, const smr_pose *p
 
 #define SMR_ALIGN_PLACES 32u /* poses of the coarse search whose costs wait to be taken */
 #define SMR_ALIGN_GROUP 10u  /* largest number of poses that are refined together */
-#define SMR_ALIGN_PIECE 16u  /* samples in a task that searches closest points */
+#define SMR_ALIGN_PIECE 4u   /* samples in a task that searches closest points */
 
 /* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
 typedef struct smr_align_work {

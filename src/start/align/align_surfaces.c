@@ -1,5 +1,5 @@
-/* align_surfaces.c: smr_align() as a job (base/job.h): the work that the steps of align_steps.c request, in parallel over
- * poses and samples. Poses of a list are refined together, as many as there are samples for.
+/* align_surfaces.c: smr_align() as a job: the work that the steps of align_steps.c request, in parallel over poses and
+ * samples. Poses of a list are refined together, as many as there are samples for.
  * Bounds: SMR_ALIGN_PIECE searches, one pose of the coarse search, or the fit of one pose to its pairs in a task.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
