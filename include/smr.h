@@ -1021,6 +1021,8 @@ typedef struct smr_carry smr_carry;
 smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry);
+smr_status smr_carry_fit_begin(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
+                               const smr_port *port, void *memory, size_t bytes, smr_carry **carry, smr_job *job);
 
 /* Writes the bound points' present places to xyz[n_points][3] mm. now[n_vertices][3] mm: the vertices' present places
  * in the order of rest (smr_get_positions() for each structure). Two threads must not use a map at the same time.

@@ -17,6 +17,7 @@ typedef struct scene {
     smr_mesh source, target;
     const smr_surface *surface[2];
     void *scratch;
+    smr_carry *carry;
     smr_job job;
     float result[RESULT_WORDS];
 } scene;
@@ -25,6 +26,7 @@ typedef struct scene {
 typedef struct call {
     smr_status (*whole)(scene *e);
     smr_status (*begin)(scene *e);
+    void (*read)(scene *e); /* NULL: nothing is read from what the call made */
 } call;
 
 static smr_status whole_verdict(scene *e)
@@ -82,9 +84,33 @@ static smr_status begin_align(scene *e)
                            align_report(e), &e->job);
 }
 
-static const call align = {whole_align, begin_align};
-static const call contact = {whole_contact, begin_contact};
-static const call verdict = {whole_verdict, begin_verdict}, expected = {whole_expected, begin_expected};
+/* The source's vertices carry those of the target. */
+#define CARRIED 500u
+static smr_status carry_it(scene *e, const smr_port *port, int whole)
+{
+    size_t bytes;
+    const uint32_t n = e->source.n_vertices;
+    assert_int_equal(SMR_OK, smr_carry_bytes(n, CARRIED, port->n_workers, &bytes));
+    e->scratch = rig_rough(bytes);
+    return whole ? smr_carry_fit(e->source.xyz, n, e->target.xyz, CARRIED, port, e->scratch, bytes, &e->carry)
+                 : smr_carry_fit_begin(e->source.xyz, n, e->target.xyz, CARRIED, port, e->scratch, bytes, &e->carry,
+                                       &e->job);
+}
+static smr_status whole_carry(scene *e)
+{
+    const smr_port port = rig_port(RIG_INTERLEAVE, 2);
+    return carry_it(e, &port, 1);
+}
+static smr_status begin_carry(scene *e)
+{
+    const smr_port port = rig_port(RIG_PLAIN, 3);
+    return carry_it(e, &port, 0);
+}
+static void read_carry(scene *e) { assert_int_equal(SMR_OK, smr_carry_apply(e->carry, e->source.xyz, e->result)); }
+
+static const call carry = {whole_carry, begin_carry, read_carry}, align = {whole_align, begin_align, NULL};
+static const call contact = {whole_contact, begin_contact, NULL};
+static const call verdict = {whole_verdict, begin_verdict, NULL}, expected = {whole_expected, begin_expected, NULL};
 
 /* Runs a begun job in slices of `units`. Returns the number of slices. */
 static uint32_t run(scene *e, uint32_t units, const smr_port *port)
@@ -106,6 +132,8 @@ static void check_call(scene *e, const call *c)
     uint32_t slices[3];
     memset(e->result, 0, sizeof e->result);
     assert_int_equal(SMR_OK, c->whole(e));
+    if (c->read != NULL)
+        c->read(e);
     memcpy(whole, e->result, sizeof e->result);
     for (uint32_t workers = 1; workers <= 3u; workers++)
         for (uint32_t i = 0; i < 3u; i++) {
@@ -116,6 +144,8 @@ static void check_call(scene *e, const call *c)
             memset(e->result, 0, sizeof e->result);
             assert_int_equal(SMR_OK, c->begin(e));
             slices[i] = run(e, units[i], workers == 1u ? NULL : &port);
+            if (c->read != NULL)
+                c->read(e);
             assert_memory_equal(whole, e->result, sizeof e->result);
         }
     assert_true(slices[0] == 1u && slices[1] > 10u && slices[2] <= slices[1] / 7u + 1u);
@@ -183,6 +213,25 @@ TEST(surfaces)
         assert_int_equal(SMR_OK, smr_surface_step(refitted, 0, NULL, 0));
         assert_int_equal(SMR_E_STATE, smr_job_step(&e->job, 3, NULL, 0));
     }
+}
+
+TEST(carried)
+{
+    scene *const e = rig_alloc(sizeof *e);
+    const smr_port more = rig_port(RIG_PLAIN, 4);
+    rig_bone(8000, 1.0f, &e->source, &e->target);
+    check_call(e, &carry);
+    assert_true(rig_far(e->target.xyz, e->result, CARRIED) < 1.0e-3f);
+    assert_int_equal(SMR_OK, begin_carry(e));
+    assert_int_equal(SMR_E_CONFIG, smr_job_step(&e->job, 0, &more, 0)); /* scratch of three workers */
+    smr_carry *const never = e->carry = NULL;
+    float *const far = rig_alloc(12u * (size_t)e->source.n_vertices);
+    memcpy(far, e->source.xyz, 12u * (size_t)e->source.n_vertices);
+    far[3u * e->source.n_vertices - 1u] = 2.0f * SMR_COORD_MAX;
+    e->source.xyz = far;
+    assert_int_equal(SMR_OK, begin_carry(e));
+    assert_int_equal(SMR_E_INPUT, smr_job_step(&e->job, 0, NULL, 0));
+    assert_true(e->carry == never);
 }
 
 /* A clock ends a slice after the piece in which the budget ends. */

@@ -126,7 +126,8 @@ static smr_box box_of_node(const smr_node *node)
 
 static smr_box box_of(const smr_surface *s) { return box_of_node(&s->tree.node[s->tree.level[s->tree.n_levels - 1u]]); }
 
-/* Finds the side of the middle of a leaf of a. Returns 0 when it is so far outside of b that no triangle can reach it. */
+/* Finds the side of the middle of a leaf of a. Returns 0 when the middle is so far outside of b that no triangle of
+ * the leaf can reach b. */
 static int leaf_is_near(const sweep *s, uint32_t leaf, place *middle)
 {
     const smr_box box = box_of_node(&s->a->tree.node[leaf]);
