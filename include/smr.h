@@ -313,10 +313,8 @@ struct smr_port {
 /* A call in pieces, for little time at once. smr_NAME_begin() checks and borrows the call's arguments; the state lies
  * in the caller's job, which may be left at any time. smr_job_step() does the work. */
 #define SMR_JOB_BYTES 2048u
-typedef union smr_job {
-    uint64_t align;
-    void *pointer;
-    unsigned char bytes[SMR_JOB_BYTES];
+typedef struct smr_job {
+    uint64_t state[SMR_JOB_BYTES / 8u];
 } smr_job;
 
 /* Continues a job for `units` pieces of about 100,000 instructions at most (0: no limit), or until budget_ns passed by
@@ -357,9 +355,11 @@ uint32_t smr_self_test(void);
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
 
-/* Begin smr_get_verdict(), and smr_get_expected_error() with its parts, in pieces; unwanted arrays may be NULL. */
+/* Begin smr_get_verdict(), smr_get_expected_error() with its parts (unwanted arrays may be NULL), and
+ * smr_get_local_volume() in pieces. */
 smr_status smr_verdict_begin(smr *s, uint32_t structure, smr_verdict *verdict, smr_job *job);
 smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm, smr_job *job);
+smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job);
 
 /* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex; 0: the vertex
  * follows other vertices. smr_get_normals() writes xyz[n_vertices][3], in the caller's order: unit normals, or 0 where
@@ -388,7 +388,7 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
  * -1e6..1e6; below 0: inside out. The less the surface surrounds the cluster, the more the ratio is the change of
  * area; without a surface, it is the cube of the model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the
  * model's radius nearest to radius_mm; 0 means eight mean edges. Choose a radius as large as the structure is thick.
- * The call takes as long as an iteration, on one thread. Errors: as smr_get_verdict(), and E_STATE without inputs. */
+ * The call takes as long as an iteration. Errors: as smr_get_verdict(), and E_STATE without inputs. */
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio);
 
 /* Returns a hash of the reference shape, and of the positions relative to the start's whole millimetres; 0 for NULL. */

@@ -163,7 +163,7 @@ void smr_round_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     j->bend2 = f->round == 0u ? f->size2 : j->bend2;
     if (f->round++ < SMR_NOISE_ROUNDS) {
         f->noise = SMR_NOISE_LEAST + (f->noise2 < SMR_NOISE_MOST * f->size2 ? f->noise2 / f->size2 : SMR_NOISE_MOST);
-        j->head.next_stage = j->head.stage - 1u; /* the next factor */
+        j->job.head.next_stage = j->job.head.stage - 1u; /* the next factor */
         return;
     }
     f->across2 = SMR_NOISE_SHARE * f->noise2;
@@ -175,7 +175,7 @@ void smr_round_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     f->along = keeps ? SMR_PARTIAL_ALONG : 1.0f;
     if (keeps && square > 0.0f) {
         open_motion(f, square);
-        j->head.next_stage = j->head.stage - 1u;
+        j->job.head.next_stage = j->job.head.stage - 1u;
     }
 }
 

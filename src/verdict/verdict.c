@@ -155,7 +155,7 @@ static void structure_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
     }
     if (j->asked == SMR_ALL && ++j->structure < j->s->shared.n_structures) {
         next_structure(j);
-        j->head.next_stage = 0;
+        j->job.head.next_stage = 0;
     }
 }
 
@@ -239,20 +239,10 @@ static const smr_stage stages[] = {
     {copy_tasks, copy_expected, NULL, NULL},
 };
 
-/* Checks that measures can be taken now, after `changes` calls that changed the registration. */
-static int can_measure(const smr *s)
-{
-    return smr_ready(s) && s->step == 0u && s->next_task == 0u && smr_inputs_valid(&s->forces);
-}
-
-/* Keeps ticks and setters out while a step runs. A tick, a setter or other measures since the begin end the job. */
 static int guard(void *job, int enter)
 {
-    smr_judgement *j = job;
-    if (enter && (!can_measure(j->s) || j->s->log.changes != j->changes || j->s->n_measured != j->turn))
-        return 0;
-    j->s->ticking = (uint32_t)enter;
-    return 1;
+    const smr_judgement *j = job;
+    return (!enter || smr_inputs_valid(&j->s->forces)) && smr_measure_guard(&j->job, enter);
 }
 
 /* Begins to measure a structure, or all. Errors: E_NULL, E_STATE, E_INPUT. */
@@ -261,16 +251,14 @@ static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float 
     smr_judgement *const j = (smr_judgement *)(void *)job;
     if (s == NULL || job == NULL)
         return SMR_E_NULL;
-    if (!can_measure(s))
+    if (!smr_measurable(s) || !smr_inputs_valid(&s->forces))
         return SMR_E_STATE;
     if (structure >= s->shared.n_structures && (structure != SMR_ALL || verdict == NULL))
         return SMR_E_INPUT;
     memset(j, 0, sizeof *j);
-    j->head = smr_job_begin(stages, sizeof stages / sizeof stages[0], &s->port);
-    j->head.guard = guard;
+    j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
+    j->job.head.guard = guard;
     j->s = s;
-    j->changes = s->log.changes;
-    j->turn = ++s->n_measured;
     j->asked = structure;
     j->structure = structure == SMR_ALL ? 0u : structure;
     j->verdict = verdict;

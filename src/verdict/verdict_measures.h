@@ -5,8 +5,7 @@
 #ifndef SMR_VERDICT_MEASURES_H
 #define SMR_VERDICT_MEASURES_H
 
-#include "base/job.h"
-#include "registration/registration.h"
+#include "verdict/measure_job.h"
 
 /* A weighted mean: sum of value times weight, and sum of weights. */
 typedef struct smr_mean {
@@ -96,24 +95,23 @@ enum { SMR_BY_NOTHING = 0, SMR_BY_SURFACE, SMR_BY_CLOUD, SMR_BY_IMAGE, SMR_BY_LA
 
 /* A verdict, or expected errors, in progress. */
 typedef struct smr_judgement {
-    smr_job_head head;
-    smr *s;
-    uint32_t changes, turn; /* smr_log.changes and smr.n_measured at the begin */
-    uint32_t asked;         /* structure that the call names, or SMR_ALL */
-    uint32_t structure;     /* structure that is measured now */
-    uint32_t by;            /* SMR_BY_...: what shows the structure */
-    smr_verdict *verdict;   /* the caller's; NULL: expected errors */
-    float *mm[3];           /* the caller's arrays: expected errors, parts across, parts along; NULL: not wanted */
-    smr_evidence e, all;    /* measures of the structure; sums over all structures so far */
-    float n, n_doubtful;    /* number of vertices in judged structures, and in those that are not good */
-    smr_fit fit;            /* sums of the fit in progress */
-    smr_box box;            /* box around the structure's rest or start positions visited so far, mm */
-    smr_pose rest, start;   /* similarity from rest, and from the start, to present positions */
-    smr_mean residual;      /* residual of the structure so far, mm */
-    float volume[3];        /* six times the volume now and at rest, mm^3; twice the area at rest, mm^2 */
-    smr_vec areas;          /* twice the sum of area vectors at rest, mm^2 */
-    float near;             /* distance up to which the target counts as covered, mm */
-    smr_mean mean;          /* a mean in progress */
+    smr_measuring job;
+    const smr *s;
+    uint32_t asked;       /* structure that the call names, or SMR_ALL */
+    uint32_t structure;   /* structure that is measured now */
+    uint32_t by;          /* SMR_BY_...: what shows the structure */
+    smr_verdict *verdict; /* the caller's; NULL: expected errors */
+    float *mm[3];         /* the caller's arrays: expected errors, parts across, parts along; NULL: not wanted */
+    smr_evidence e, all;  /* measures of the structure; sums over all structures so far */
+    float n, n_doubtful;  /* number of vertices in judged structures, and in those that are not good */
+    smr_fit fit;          /* sums of the fit in progress */
+    smr_box box;          /* box around the structure's rest or start positions visited so far, mm */
+    smr_pose rest, start; /* similarity from rest, and from the start, to present positions */
+    smr_mean residual;    /* residual of the structure so far, mm */
+    float volume[3];      /* six times the volume now and at rest, mm^3; twice the area at rest, mm^2 */
+    smr_vec areas;        /* twice the sum of area vectors at rest, mm^2 */
+    float near;           /* distance up to which the target counts as covered, mm */
+    smr_mean mean;        /* a mean in progress */
     smr_normal_field field;
     float bend2; /* variance of the displacement along an axis, mm^2: the square of the bend; below 0: unknown */
     smr_occluded_field through; /* a copy of the field, which landmarks solve: the memory is free, the original stays */

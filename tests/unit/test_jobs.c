@@ -37,6 +37,8 @@ static smr_status begin_verdict(scene *e)
 {
     return smr_verdict_begin(e->s, e->structure, (smr_verdict *)(void *)e->result, &e->job);
 }
+static smr_status whole_volume(scene *e) { return smr_get_local_volume(e->s, e->structure, 30, e->result); }
+static smr_status begin_volume(scene *e) { return smr_local_volume_begin(e->s, e->structure, 30, e->result, &e->job); }
 static smr_status whole_expected(scene *e)
 {
     const smr_status status = smr_get_expected_error(e->s, 0, e->result);
@@ -110,7 +112,8 @@ static void read_carry(scene *e) { assert_int_equal(SMR_OK, smr_carry_apply(e->c
 
 static const call carry = {whole_carry, begin_carry, read_carry}, align = {whole_align, begin_align, NULL};
 static const call contact = {whole_contact, begin_contact, NULL};
-static const call verdict = {whole_verdict, begin_verdict, NULL}, expected = {whole_expected, begin_expected, NULL};
+static const call volume = {whole_volume, begin_volume, NULL}, verdict = {whole_verdict, begin_verdict, NULL},
+                  expected = {whole_expected, begin_expected, NULL};
 
 /* Runs a begun job in slices of `units`. Returns the number of slices. */
 static uint32_t run(scene *e, uint32_t units, const smr_port *port)
@@ -188,7 +191,9 @@ TEST(verdicts)
         scene *const e = start(shown);
         check_call(e, &expected);
         check_call(e, &verdict);
+        check_call(e, &volume);
         e->structure = SMR_ALL;
+        check_call(e, &volume);
         check_call(e, &verdict);
     }
 }
@@ -255,12 +260,12 @@ static smr_status pose(scene *e)
     return smr_set_pose(e->s, &identity);
 }
 static smr_status active(scene *e) { return smr_set_active(e->s, 100000); }
-static smr_status volumes(scene *e) { return smr_get_local_volume(e->s, SMR_ALL, 0, e->result); }
 
 /* Ticks, setters and other measures end a job, and nothing else does. */
 TEST(stale)
 {
-    smr_status (*const other[])(scene * e) = {tick, pose, active, volumes, whole_verdict, begin_expected, partial_tick};
+    smr_status (*const other[])(scene * e) = {tick,          pose,           active,      whole_volume,
+                                              whole_verdict, begin_expected, partial_tick};
     rig_clock clock = {0};
     scene *const e = start(1);
     smr_job never;
