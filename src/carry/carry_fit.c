@@ -12,7 +12,7 @@
 #define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part / diagonal of the rest shape's box */
 #define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part / mean distance of successive vertices on the curve */
 #define SMR_CARRY_LEAST 1.0e-6f      /* least diagonal of the box, mm; least range of the rough part / diagonal */
-#define SMR_CARRY_PIECE 512u         /* vertices or points in a task that visits them */
+#define SMR_CARRY_PIECE 96u          /* vertices or points in a task that visits them */
 #define SMR_CARRY_BOXES 4u           /* nodes in a task that fits boxes */
 
 /* smr_carry_fit() in progress. */

@@ -1,6 +1,6 @@
 /* expected_error_observations.c: chooses the visible vertices whose displacements along their normals tell the expected
  * errors, and measures their noise: how much vertices stick out from their neighbours.
- * Bounds: three passes over all vertices, one over a structure's vertices, one over its triangles.
+ * Bounds: four passes over a structure's vertices, one over its triangles.
  * SPDX-License-Identifier: MIT */
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/verdict_measures.h"
@@ -16,8 +16,8 @@ static uint32_t place(smr_normal_field *f, const smr *s)
 {
     const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
     uint32_t most = smr_min_u32(SMR_OBSERVATIONS, s->shared.n);
-    while (most > 0u && SMR_FACTOR_WORDS(most) + 8u * most > words)
-        most--;
+    while (most > 0u && (SMR_FACTOR_WORDS(most) + 8u * most > words || 5u * most > 4u * s->shared.n))
+        most--; /* behind the expected errors are four words a vertex for terms of five */
     f->at = (float *)s->overlay.sum;
     f->normal = f->at + 3u * (size_t)most;
     f->moved = f->normal + 3u * (size_t)most;
@@ -49,12 +49,6 @@ void smr_observed_count(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         j->field.total += (uint32_t)is_observed(j, smr_judged_vertex(j, i));
 }
 
-uint32_t smr_observe_tasks(const void *job)
-{
-    const smr_judgement *j = job;
-    return smr_follows_landmarks(j->s, j->structure) ? 0u : smr_ceil_div(j->s->shared.n, SMR_JUDGE_PIECE);
-}
-
 /* Lists visible vertices, at most as many as there is room for, evenly in stored order, as observations; adds all
  * visible ones to the fit, and all vertices to the box. */
 void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -62,15 +56,14 @@ void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_judgement *j = job;
     smr_normal_field *f = &j->field;
     const smr *s = j->s;
-    const smr_piece piece = smr_piece_of(task, SMR_JUDGE_PIECE, s->shared.n);
+    const smr_piece piece = smr_judged_vertices(j, task);
     if (task == 0u) {
         f->most = smr_min_u32(f->total, place(f, s));
         j->fit.weight = 0.0f;
         j->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
     }
-    for (uint32_t v = piece.first; v < piece.last; v++) {
-        if (smr_model_owner(s->shared.model, v) != j->structure)
-            continue;
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
         const smr_vec p = smr_get3(s->shape.start, v), x = smr_get3(s->shape.x, v);
         smr_box_grow(&j->box, p);
         if (!is_observed(j, v))
@@ -122,7 +115,7 @@ void smr_field_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t wo
 uint32_t smr_noise_tasks(const void *job)
 {
     const smr_judgement *j = job;
-    return j->field.n > 0u ? smr_ceil_div(j->s->shared.n, SMR_JUDGE_PIECE) : 0u;
+    return j->field.n > 0u ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE) : 0u;
 }
 
 /* Writes displacements from the posed start, and clears the sums over neighbours. */
@@ -130,8 +123,9 @@ void smr_noise_begin(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_judgement *j = job;
     const smr *s = j->s;
-    const smr_piece piece = smr_piece_of(task, SMR_JUDGE_PIECE, s->shared.n);
-    for (uint32_t v = piece.first; v < piece.last; v++) {
+    const smr_piece piece = smr_judged_vertices(j, task);
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
         const smr_vec posed = smr_pose_apply(&j->field.pose, smr_get3(s->shape.start, v));
         smr_put3(s->overlay.rings.displacement, v, smr_sub(smr_get3(s->shape.x, v), posed));
         smr_put3(s->overlay.rings.sum, v, smr_v(0, 0, 0));
@@ -159,10 +153,11 @@ void smr_noise_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;
     const smr_rings *rings = &j->s->overlay.rings;
-    const smr_piece piece = smr_piece_of(task, SMR_JUDGE_PIECE, j->s->shared.n);
+    const smr_piece piece = smr_judged_vertices(j, task);
     const float residual = smr_mean_of(j->e.residual, 0.0f);
-    for (uint32_t v = piece.first; v < piece.last; v++) {
-        if (smr_model_owner(j->s->shared.model, v) != j->structure || !(rings->weight[v] > 0.0f) || !is_observed(j, v))
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
+        if (!(rings->weight[v] > 0.0f) || !is_observed(j, v))
             continue;
         const smr_vec mean = smr_scale(smr_get3(rings->sum, v), 1.0f / rings->weight[v]);
         const float out = smr_dot(smr_sub(smr_get3(rings->displacement, v), mean), smr_get3(j->s->shape.normal, v));

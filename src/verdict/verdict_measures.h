@@ -90,8 +90,8 @@ typedef struct smr_normal_field {
 /* What shows a structure's place. */
 enum { SMR_BY_NOTHING = 0, SMR_BY_SURFACE, SMR_BY_CLOUD, SMR_BY_IMAGE, SMR_BY_LANDMARKS, SMR_BY_CALLER };
 
-#define SMR_JUDGE_PIECE 256u /* vertices or triangles in a task that visits them */
-#define SMR_JUDGE_PLACES 16u /* tasks whose results wait to be added */
+#define SMR_JUDGE_PIECE 192u /* vertices or triangles in a task that visits them */
+#define SMR_JUDGE_PLACES 24u /* tasks whose results wait to be added */
 
 /* A verdict, or expected errors, in progress. */
 typedef struct smr_judgement {
@@ -100,6 +100,7 @@ typedef struct smr_judgement {
     uint32_t asked;       /* structure that the call names, or SMR_ALL */
     uint32_t structure;   /* structure that is measured now */
     uint32_t by;          /* SMR_BY_...: what shows the structure */
+    uint32_t n_listed;    /* number of vertices in smr_judged_list() so far */
     smr_verdict *verdict; /* the caller's; NULL: expected errors */
     float *mm[3];         /* the caller's arrays: expected errors, parts across, parts along; NULL: not wanted */
     smr_evidence e, all;  /* measures of the structure; sums over all structures so far */
@@ -166,6 +167,12 @@ static inline void smr_judge_take(const smr_judgement *j, uint32_t first, uint32
     }
 }
 
+/* Returns the stored vertices [n_vertices] of the structure, ascending: neighbours are mostly near each other. */
+static inline uint32_t *smr_judged_list(const smr_judgement *j)
+{
+    return j->s->overlay.record + 14u * (size_t)j->s->shared.n;
+}
+
 /* Returns the array [n] in which visible vertices of the structure are 1. */
 static inline unsigned char *smr_judged_visible(const smr_judgement *j)
 {
@@ -200,16 +207,16 @@ void smr_measure_moved(const smr_judgement *j, uint32_t structure, const smr_evi
 /* verdict_target_measures.c, verdict_vertex_measures.c: stages that measure a structure on its target; for expected
  * errors only what these need: residual and n_invisible. */
 void smr_target_begin(smr_judgement *j);
-smr_count_tasks smr_visible_tasks, smr_distances_tasks, smr_cloud_tasks, smr_profiles_tasks, smr_vertices_tasks,
-    smr_triangles_measure_tasks, smr_cover_tasks, smr_points_tasks, smr_places_abreast;
-smr_run_task smr_visible_find, smr_distances_find, smr_cloud_measure, smr_profiles_compare, smr_vertices_measure,
-    smr_triangles_measure, smr_cover_measure, smr_points_measure;
+smr_count_tasks smr_list_tasks, smr_visible_tasks, smr_distances_tasks, smr_cloud_tasks, smr_profiles_tasks,
+    smr_vertices_tasks, smr_triangles_measure_tasks, smr_cover_tasks, smr_points_tasks, smr_places_abreast;
+smr_run_task smr_list_vertices, smr_visible_find, smr_distances_find, smr_cloud_measure, smr_profiles_compare,
+    smr_vertices_measure, smr_triangles_measure, smr_cover_measure, smr_points_measure;
 smr_take_results smr_cloud_take, smr_profiles_take, smr_triangles_take, smr_cover_take, smr_points_take;
 
 /* expected_error.c, expected_error_observations.c: stages that compute the expected errors of each vertex,
  * smr_vertex_expected(), and add their means. */
-smr_count_tasks smr_observed_tasks, smr_observe_tasks, smr_noise_tasks, smr_noise_rings_tasks, smr_factor_tasks,
-    smr_round_tasks, smr_errors_tasks, smr_errors_add_tasks;
+smr_count_tasks smr_observed_tasks, smr_noise_tasks, smr_noise_rings_tasks, smr_factor_tasks, smr_round_tasks,
+    smr_errors_tasks, smr_errors_add_tasks;
 smr_run_task smr_observed_count, smr_observe, smr_field_begin, smr_noise_begin, smr_noise_rings_add, smr_noise_add,
     smr_factor_rows, smr_round_end, smr_errors_find, smr_errors_add;
 

@@ -9,7 +9,7 @@
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
-#define SMR_MEASURE_PIECE 16u   /* vertices, triangles or points in a task that searches for each of them */
+#define SMR_MEASURE_PIECE 8u    /* vertices, triangles or points in a task that searches for each of them */
 
 /* Returns the share of a triangle's corners that are visible. */
 static float visible_part(const smr_judgement *j, const uint32_t *t)
@@ -74,7 +74,7 @@ static void search_group(const smr_judgement *j, group *g)
         smr_closest_group(&smr_judged_target(j)->tree, masked ? &mask : NULL, g->query, g->n, g->hit);
 }
 
-/* Stores the distances of a group of vertices, and empties the group. */
+/* Stores the distances of a group of vertices. */
 static void take_distances(const smr_judgement *j, group *g)
 {
     search_group(j, g);
@@ -82,26 +82,26 @@ static void take_distances(const smr_judgement *j, group *g)
         smr_judged_nearest(j)[g->item[i]] = g->hit[i].triangle;
         smr_judged_distance(j)[g->item[i]] = g->hit[i].triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(g->hit[i].d2);
     }
-    g->n = 0;
 }
 
 uint32_t smr_distances_tasks(const void *job)
 {
     const smr_judgement *j = job;
-    return j->by == SMR_BY_SURFACE ? smr_ceil_div(j->s->shared.n, SMR_MEASURE_PIECE) : 0u;
+    return j->by == SMR_BY_SURFACE ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_GROUP_POINTS) : 0u;
 }
 
+/* Finds the distances of a group of vertices. */
 void smr_distances_find(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_judgement *j = job;
     const smr *s = j->s;
-    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_PIECE, s->shared.n);
+    const smr_piece piece = smr_piece_of(task, SMR_GROUP_POINTS, smr_judged(j)->n_vertices);
     group g = {.n = 0};
-    for (uint32_t v = piece.first; v < piece.last; v++) /* in stored order, in which neighbours are near each other */
-        if (smr_model_owner(s->shared.model, v) == j->structure &&
-            add_query(j, &g, v, smr_get3(s->shape.x, v), smr_get3(s->shape.normal, v), s->forces.surface.warm[v],
-                      SMR_FAR))
-            take_distances(j, &g);
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
+        (void)add_query(j, &g, v, smr_get3(s->shape.x, v), smr_get3(s->shape.normal, v), s->forces.surface.warm[v],
+                        SMR_FAR);
+    }
     take_distances(j, &g);
 }
 

@@ -29,6 +29,7 @@ void smr_target_begin(smr_judgement *j)
     const smr_forces *f = &j->s->forces;
     const smr_surface *target = f->surface.target[j->structure].surface;
     j->residual = j->mean = (smr_mean){0, 0};
+    j->n_listed = 0;
     if (smr_judged(j)->n_vertices == 0u)
         j->by = SMR_BY_NOTHING;
     else if (target != NULL)
@@ -50,6 +51,21 @@ static void add_residual(smr_judgement *j)
     j->e.residual.sum += j->residual.sum;
     j->e.residual.weight += j->residual.weight;
     j->near = smr_max(SMR_MEASURE_EDGES * edge, SMR_MEASURE_TIMES * smr_mean_of(j->residual, 0.0f));
+}
+
+uint32_t smr_list_tasks(const void *job)
+{
+    return smr_ceil_div(((const smr_judgement *)job)->s->shared.n, SMR_JUDGE_PIECE);
+}
+
+/* Lists the structure's vertices among a piece of all vertices. */
+void smr_list_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr_piece piece = smr_piece_of(task, SMR_JUDGE_PIECE, j->s->shared.n);
+    for (uint32_t v = piece.first; v < piece.last; v++)
+        if (smr_model_owner(j->s->shared.model, v) == j->structure)
+            smr_judged_list(j)[j->n_listed++] = v;
 }
 
 uint32_t smr_visible_tasks(const void *job)

@@ -197,15 +197,24 @@ typedef struct smr_coarse_search {
     smr_pose_list best; /* best two poses of the current rotation */
 } smr_coarse_search;
 
-/* Task: sets pose number `task` of the search and its cost. */
-void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_search *search, uint32_t task,
-                   smr_pose *pose, float *cost);
+#define SMR_COARSE_PARTS 6u /* tasks into which the comparison of a pose is divided; a divisor of SMR_COARSE */
+
+/* A pose of the search whose cost is computed. */
+typedef struct smr_coarse_place {
+    smr_pose pose;
+    float sum, cost;        /* sum over the model's samples so far, mm^2; cost once complete */
+    float best[SMR_COARSE]; /* smallest cost of each target sample so far, mm^2 */
+} smr_coarse_place;
+
+/* Adds a part of the comparison of pose `number` of the search. The parts of a pose follow each other. */
+void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_search *search, uint32_t number,
+                   uint32_t part, smr_coarse_place *to);
 /* Takes the poses in order: inserts at most two poses of each rotation. */
-void smr_align_tried(smr_coarse_search *search, uint32_t task, const smr_pose *pose, float cost, smr_pose_list *found);
+void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coarse_place *tried, smr_pose_list *found);
 
 /* ---- align_steps.c: the call as steps, each of which requests a search, a refinement or pairs ---- */
 
-#define SMR_ALIGN_PLACES 32u /* poses of the coarse search whose costs wait to be taken */
+#define SMR_ALIGN_PLACES 32u /* poses of the coarse search that are compared together */
 #define SMR_ALIGN_GROUP 10u  /* largest number of poses that are refined together */
 #define SMR_ALIGN_PIECE 4u   /* samples in a task that searches closest points */
 
@@ -221,9 +230,8 @@ typedef struct smr_align_work {
 
     /* the coarse search */
     smr_coarse_search search;
-    uint32_t n_tried; /* number of poses to try; 0: no search */
-    smr_pose tried[SMR_ALIGN_PLACES];
-    float tried_cost[SMR_ALIGN_PLACES];
+    uint32_t n_tried;        /* number of poses to try; 0: no search */
+    smr_coarse_place *place; /* [SMR_ALIGN_PLACES] poses in work */
 
     /* the refinement of a list, a group of poses at a time */
     const smr_pose_list *from;

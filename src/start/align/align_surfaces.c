@@ -46,9 +46,10 @@ static int is_pose(const smr_pose *p)
     return 1;
 }
 
-static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_aligner *a)
+static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_coarse_place **place, smr_aligner *a)
 {
     *work = smr_arena_take(arena, 1, sizeof **work);
+    *place = smr_arena_take(arena, SMR_ALIGN_PLACES, sizeof **place);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
         a->side[side].point = smr_arena_take(arena, n, sizeof(smr_vec));
         a->side[side].normal = smr_arena_take(arena, n, sizeof(smr_vec));
@@ -61,13 +62,14 @@ static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_alig
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 {
     smr_align_work *work;
+    smr_coarse_place *place;
     smr_aligner a;
     if (config == NULL || bytes == NULL)
         return SMR_E_NULL;
     if (!is_legal(config))
         return SMR_E_CONFIG;
     smr_arena arena = smr_arena_measure();
-    layout(&arena, config->samples, &work, &a);
+    layout(&arena, config->samples, &work, &place, &a);
     *bytes = arena.used;
     return SMR_OK;
 }
@@ -102,22 +104,34 @@ static void run_steps(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
         j->head.next_stage = j->head.n_stages;
 }
 
-static uint32_t try_tasks(const void *job) { return work_of(job)->n_tried; }
+/* Tasks visit the first part of SMR_ALIGN_PLACES poses, the other parts, then the next poses. */
 static uint32_t try_places(const void *job) { return (void)job, SMR_ALIGN_PLACES; }
+static uint32_t try_tasks(const void *job)
+{
+    return smr_ceil_div(work_of(job)->n_tried, SMR_ALIGN_PLACES) * SMR_ALIGN_PLACES * SMR_COARSE_PARTS;
+}
+
+/* Returns the number of the pose of a task; n_tried or more: none. */
+static uint32_t tried_by(uint32_t task)
+{
+    return task / (SMR_ALIGN_PLACES * SMR_COARSE_PARTS) * SMR_ALIGN_PLACES + task % SMR_ALIGN_PLACES;
+}
+static uint32_t part_of(uint32_t task) { return task / SMR_ALIGN_PLACES % SMR_COARSE_PARTS; }
 
 static void try_pose(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    smr_align_work *w = work_of(job);
-    const uint32_t place = task % SMR_ALIGN_PLACES;
-    smr_align_try(&w->aligner, &w->coarse, &w->search, task, &w->tried[place], &w->tried_cost[place]);
+    const smr_align_work *w = work_of(job);
+    if (tried_by(task) < w->n_tried)
+        smr_align_try(&w->aligner, &w->coarse, &w->search, tried_by(task), part_of(task),
+                      &w->place[task % SMR_ALIGN_PLACES]);
 }
 
 static void take_poses(void *job, uint32_t first, uint32_t last)
 {
     smr_align_work *w = work_of(job);
     for (uint32_t task = first; task < last; task++)
-        smr_align_tried(&w->search, task, &w->tried[task % SMR_ALIGN_PLACES], w->tried_cost[task % SMR_ALIGN_PLACES],
-                        &w->found);
+        if (part_of(task) + 1u == SMR_COARSE_PARTS && tried_by(task) < w->n_tried)
+            smr_align_tried(&w->search, tried_by(task), &w->place[task % SMR_ALIGN_PLACES], &w->found);
 }
 
 /* Starts the refinement of as many poses as there are samples for. */
@@ -226,6 +240,7 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     align_job *const j = (align_job *)(void *)job;
     smr_arena arena;
     smr_align_work *w;
+    smr_coarse_place *place;
     smr_aligner parts;
     if (model == NULL || target == NULL || config == NULL || pose == NULL || job == NULL)
         return SMR_E_NULL;
@@ -238,7 +253,7 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
         return SMR_E_INPUT;
     SMR_TRY(smr_arena_start(&arena, memory, bytes));
     memset(&parts, 0, sizeof parts);
-    layout(&arena, config->samples, &w, &parts);
+    layout(&arena, config->samples, &w, &place, &parts);
     if (arena.used > bytes)
         return SMR_E_ARENA;
     memset(w, 0, sizeof *w);
@@ -247,6 +262,7 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     j->head.guard = guard;
     j->w = w;
     w->aligner = parts;
+    w->place = place;
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
         w->aligner.side[side].surface = surface[side];
         w->aligner.side[side].n = config->samples;
