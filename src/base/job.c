@@ -23,7 +23,7 @@ static uint32_t run_some(smr_job_head *h, const smr_port *port, uint32_t most)
 {
     const smr_stage *stage = &h->stages[h->stage];
     const uint32_t n = stage->n_tasks != NULL ? stage->n_tasks(h) : 1u, first = h->next_task;
-    const uint32_t abreast = stage->abreast != NULL ? stage->abreast(h) : smr_max_u32(n, 1u);
+    const uint32_t abreast = smr_max_u32(stage->abreast != NULL ? stage->abreast(h) : n, 1u);
     const uint32_t count = smr_min_u32(smr_min_u32(most, n - first), abreast - first % abreast);
     part p = {h, stage->run, first};
     if (first == 0u)

@@ -1,8 +1,8 @@
-/* target_jobs.c: on an emulated board: calls in pieces. No piece takes longer than a bound, and the pieces give what the
- * whole call gives.
+/* target_jobs.c: on an emulated board: calls in pieces. No piece takes longer than a bound, and the pieces give what
+ * the whole call gives.
  *
- * Under `-icount shift=0` one instruction takes one nanosecond of the board's time. Prints the longest pieces; ends with
- * 0 when all holds.
+ * Under `-icount shift=0` one instruction takes one nanosecond of the board's time. Prints the longest pieces; ends
+ * with 0 when all holds.
  * SPDX-License-Identifier: MIT */
 #include "base/job.h"
 #include "target_rig.h"

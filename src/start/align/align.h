@@ -163,12 +163,18 @@ typedef struct smr_refined {
     float last;     /* least sum of squared distances so far; FLT_MAX before the first round */
     uint32_t state; /* SMR_REFINE_... */
     float cost;     /* smr_pairs_cost() of the refined pose */
+    float limit;    /* distance beyond which pairs are outliers in this round, mm */
+    float sum;      /* weighted sum of the squared distances collected in this round, mm^2 */
+    smr_fit fit;    /* of the pairs collected in this round, from model to target */
 } smr_refined;
 
-/* Fits the pose to the pairs, which belong to it. how: SMR_REFINE_SCALED, SMR_REFINE_TRIMMED. Returns SMR_REFINE_ENDED
- * when the distances shrink no more, or SMR_REFINE_FAILED with too few pairs or when the scale leaves 0.1 .. 10; the
- * pose then stays. */
-uint32_t smr_align_round(const smr_aligner *a, uint32_t how, smr_refined *r);
+/* A round: sets the outlier limit from the pairs, which belong to the pose; adds the pairs of both sides, the model's
+ * first, piece by piece; fits the pose. how: SMR_REFINE_SCALED, SMR_REFINE_TRIMMED. The last function returns
+ * SMR_REFINE_ENDED when the distances shrink no more, or SMR_REFINE_FAILED with too few pairs or when the scale leaves
+ * 0.1 .. 10; the pose then stays. */
+void smr_align_limit(const smr_aligner *a, uint32_t how, smr_refined *r);
+void smr_align_collect(const smr_aligner *a, uint32_t side, smr_piece piece, smr_refined *r);
+uint32_t smr_align_round(uint32_t how, smr_refined *r);
 
 /* ---- align_coarse_search.c: the coarse search among samples of both surfaces ---- */
 
@@ -214,9 +220,10 @@ void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coars
 
 /* ---- align_steps.c: the call as steps, each of which requests a search, a refinement or pairs ---- */
 
-#define SMR_ALIGN_PLACES 32u /* poses of the coarse search that are compared together */
-#define SMR_ALIGN_GROUP 10u  /* largest number of poses that are refined together */
-#define SMR_ALIGN_PIECE 4u   /* samples in a task that searches closest points */
+#define SMR_ALIGN_PLACES 32u   /* poses of the coarse search that are compared together */
+#define SMR_ALIGN_GROUP 10u    /* largest number of poses that are refined together */
+#define SMR_ALIGN_COLLECT 128u /* pairs in a task that adds them to a fit */
+#define SMR_ALIGN_PIECE 4u     /* samples in a task that searches closest points */
 
 /* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
 typedef struct smr_align_work {
@@ -246,7 +253,8 @@ typedef struct smr_align_work {
     uint32_t at;    /* the next step */
     uint32_t other; /* pose of `best` that is compared with the result */
     smr_pose given, result;
-    float cost; /* of the best pose before its last refinement */
+    float cost;  /* of the best pose before its last refinement */
+    float limit; /* outlier limit of its pairs, mm */
     float share[SMR_SIDES];
     int whole; /* 1: both surfaces are wholes and all pairs count */
     uint32_t scaled, iterations;
@@ -257,8 +265,10 @@ typedef struct smr_align_work {
     smr_align_report *report;
 } smr_align_work;
 
-/* Runs the steps up to the next one that requests work, and returns 1; 0: the results are written; -1: no pose. */
-int smr_align_steps(smr_align_work *w);
+#define SMR_ALIGN_END 2 /* result of smr_align_step() after the last step */
+
+/* Runs the next step. Returns 1 when the step requests work, 0 when it does not, -1 when no pose was found. */
+int smr_align_step(smr_align_work *w);
 /* Inserts a pose into a list, unless the list has a similar one. A similar pose that costs clearly more is replaced. */
 void smr_align_insert(const smr_aligner *a, const smr_pose *pose, float cost, smr_pose_list *into);
 

@@ -119,42 +119,41 @@ float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES])
     return SMR_SQRT(sum / all);
 }
 
-/* Adds the pairs of one side to the fit from model to target. Returns the weighted sum of squared distances, mm^2. */
-static float collect(const smr_aligner *a, uint32_t side, float limit, int mirrored, smr_fit *fit)
+void smr_align_limit(const smr_aligner *a, uint32_t how, smr_refined *r)
+{
+    r->limit = how & SMR_REFINE_TRIMMED ? smr_pairs_limit(a) : SMR_UNTRIMMED;
+    r->sum = 0.0f;
+    smr_fit_start(&r->fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
+}
+
+void smr_align_collect(const smr_aligner *a, uint32_t side, smr_piece piece, smr_refined *r)
 {
     const smr_align_side *from = &a->side[side];
-    const int trimmed = limit < SMR_UNTRIMMED;
-    const float inverse = trimmed ? 1.0f / (limit * limit) : 0.0f;
-    float sum = 0.0f;
-    for (uint32_t k = 0; k < a->used; k++) {
+    const int trimmed = r->limit < SMR_UNTRIMMED, mirrored = smr_pose_mirrors(&r->pose);
+    const float limit2 = r->limit * r->limit, inverse = trimmed ? 1.0f / limit2 : 0.0f;
+    for (uint32_t k = piece.first; k < piece.last; k++) {
         const smr_pair *pair = &from->pair[k];
         const uint32_t i = smr_sample(from, k, a->used);
         const float left = 1.0f - pair->d2 * inverse, weight = trimmed ? from->weight[i] : 1.0f;
-        sum += weight * (trimmed ? smr_min(pair->d2, limit * limit) : pair->d2);
+        r->sum += weight * (trimmed ? smr_min(pair->d2, limit2) : pair->d2);
         if (pair->triangle == SMR_NONE || !(left * weight > 0.0f) || (trimmed && pair->border))
             continue;
         smr_vec x = side == SMR_MODEL ? from->point[i] : pair->at;
         if (mirrored)
             x.x = -x.x;
-        smr_fit_add(fit, x, side == SMR_MODEL ? pair->at : from->point[i], left * left * weight);
+        smr_fit_add(&r->fit, x, side == SMR_MODEL ? pair->at : from->point[i], left * left * weight);
     }
-    return sum;
 }
 
-uint32_t smr_align_round(const smr_aligner *a, uint32_t how, smr_refined *r)
+uint32_t smr_align_round(uint32_t how, smr_refined *r)
 {
-    const int mirrored = smr_pose_mirrors(&r->pose), scaled = (how & SMR_REFINE_SCALED) != 0u;
-    const float limit = how & SMR_REFINE_TRIMMED ? smr_pairs_limit(a) : SMR_UNTRIMMED;
-    smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-    float mean = collect(a, SMR_MODEL, limit, mirrored, &fit);
-    mean += collect(a, SMR_TARGET, limit, mirrored, &fit);
-    if (!(fit.weight >= 3.0f))
+    const int mirrored = smr_pose_mirrors(&r->pose);
+    if (!(r->fit.weight >= 3.0f))
         return SMR_REFINE_FAILED;
-    if (r->round++ >= SMR_STEADY && mean > r->last * SMR_STAGNANT)
+    if (r->round++ >= SMR_STEADY && r->sum > r->last * SMR_STAGNANT)
         return SMR_REFINE_ENDED;
-    r->last = smr_min(r->last, mean);
-    smr_pose next = smr_fit_solve(&fit, scaled);
+    r->last = smr_min(r->last, r->sum);
+    smr_pose next = smr_fit_solve(&r->fit, (how & SMR_REFINE_SCALED) != 0u);
     const float size = smr_pose_scale(&next);
     if (!(size > 0.1f && size < 10.0f))
         return SMR_REFINE_FAILED;                 /* the model shrinks onto a small area, or the reverse */

@@ -150,13 +150,20 @@ static int measure_best(smr_align_work *w)
     return 1;
 }
 
+static int find_limit(smr_align_work *w)
+{
+    const smr_aligner *a = &w->aligner;
+    w->limit = smr_min(smr_pairs_limit(a), a->limit);
+    w->cost = smr_pairs_cost(a);
+    return 0;
+}
+
 /* Refines the best pose by all pairs, if both surfaces are wholes. */
 static int refine_whole(smr_align_work *w)
 {
     const smr_aligner *a = &w->aligner;
-    const float limit = smr_min(smr_pairs_limit(a), a->limit);
-    w->cost = smr_pairs_cost(a);
-    w->whole = smr_pairs_share(a, SMR_MODEL, limit) > SMR_WHOLE && smr_pairs_share(a, SMR_TARGET, limit) > SMR_WHOLE;
+    w->whole =
+        smr_pairs_share(a, SMR_MODEL, w->limit) > SMR_WHOLE && smr_pairs_share(a, SMR_TARGET, w->limit) > SMR_WHOLE;
     if (w->whole)
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
     return w->whole;
@@ -206,7 +213,12 @@ static int report_result(smr_align_work *w)
     r->target_share = smr_pairs_share(a, SMR_TARGET, limit);
     w->share[SMR_MODEL] = w->whole ? 1.0f : r->model_share;
     w->share[SMR_TARGET] = w->whole ? 1.0f : r->target_share;
-    r->rms_mm = smr_pairs_rms(a, w->share);
+    return 0;
+}
+
+static int measure_given(smr_align_work *w)
+{
+    w->said.rms_mm = smr_pairs_rms(&w->aligner, w->share);
     find_pairs(w, &w->given, w->all);
     return 1;
 }
@@ -290,15 +302,12 @@ static int finish(smr_align_work *w)
 }
 
 static int (*const steps[])(smr_align_work *w) = {
-    find_poses,    try_smaller,  try_larger,      try_ratio,        refine_finalists, measure_best, refine_whole,
-    measure_whole, fit_part,     refine_part,     measure_result,   report_result,    report_given, find_other,
-    compare_other, try_mirrored, refine_mirrored, measure_mirrored, finish,
+    find_poses,   try_smaller,   try_larger,    try_ratio,    refine_finalists, measure_best,     find_limit,
+    refine_whole, measure_whole, fit_part,      refine_part,  measure_result,   report_result,    measure_given,
+    report_given, find_other,    compare_other, try_mirrored, refine_mirrored,  measure_mirrored, finish,
 };
 
-int smr_align_steps(smr_align_work *w)
+int smr_align_step(smr_align_work *w)
 {
-    int requested = 0;
-    while (requested == 0 && w->at < sizeof steps / sizeof steps[0])
-        requested = steps[w->at++](w);
-    return requested;
+    return w->at < sizeof steps / sizeof steps[0] ? steps[w->at++](w) : SMR_ALIGN_END;
 }

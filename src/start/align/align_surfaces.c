@@ -1,6 +1,6 @@
 /* align_surfaces.c: smr_align() as a job: the work that the steps of align_steps.c request, in parallel over poses and
  * samples. Poses of a list are refined together, as many as there are samples for.
- * Bounds: SMR_ALIGN_PIECE searches, one pose of the coarse search, or the fit of one pose to its pairs in a task.
+ * Bounds: SMR_ALIGN_PIECE searches, a part of a pose of the coarse search, or SMR_ALIGN_COLLECT pairs in a task.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "start/align/align.h"
@@ -93,14 +93,16 @@ static void make_sides(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_align_side_make(&w->aligner.side[side], &w->sum[side], task < n ? task : task - n);
 }
 
-/* Runs the steps of the call up to the next one that requests work, or to the end. */
-static void run_steps(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+/* Runs a step of the call. Another step follows, unless the step requests work. */
+static void run_step(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     align_job *const j = job;
-    const int requested = smr_align_steps(j->w);
-    if (requested < 0)
+    const int result = smr_align_step(j->w);
+    if (result < 0)
         j->head.status = SMR_E_INPUT;
-    if (requested == 0)
+    if (result == 0)
+        j->head.next_stage = SMR_ALIGN_STEP;
+    if (result == SMR_ALIGN_END)
         j->head.next_stage = j->head.n_stages;
 }
 
@@ -142,7 +144,7 @@ static void begin_group(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
     w->last = w->rounds == 0u;
     w->n = smr_min_u32(smr_min_u32(w->all / w->aligner.used, SMR_ALIGN_GROUP), w->from->n - w->first);
     for (uint32_t i = 0; i < w->n; i++)
-        w->group[i] = (smr_refined){w->from->pose[w->first + i], 0, FLT_MAX, SMR_REFINE_GOES_ON, 0.0f};
+        w->group[i] = (smr_refined){.pose = w->from->pose[w->first + i], .last = FLT_MAX, .state = SMR_REFINE_GOES_ON};
 }
 
 /* Returns the aligner with the pairs of pose i of the group. */
@@ -171,21 +173,45 @@ static void find_some(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_pairs_find(&a, task / pieces % SMR_SIDES, &r->pose, smr_piece_of(task % pieces, SMR_ALIGN_PIECE, a.used));
 }
 
-static uint32_t fit_tasks(const void *job) { return work_of(job)->n; }
+static uint32_t group_tasks(const void *job) { return work_of(job)->n; }
 
-/* Fits a pose of the group to its pairs, or computes the refined pose's cost. */
-static void fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Sets the outlier limit of a pose of the group, or computes the refined pose's cost. */
+static void find_limit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_align_work *w = work_of(job);
     smr_refined *const r = &w->group[task];
     const smr_aligner a = aligner_of(w, task);
     if (w->last && w->into != NULL && r->state != SMR_REFINE_FAILED)
         r->cost = smr_pairs_cost(&a);
-    if (!w->last && r->state == SMR_REFINE_GOES_ON) {
-        r->state = smr_align_round(&a, w->how, r);
-        if (r->state == SMR_REFINE_GOES_ON && r->round == w->rounds)
-            r->state = SMR_REFINE_ENDED;
-    }
+    if (!w->last && r->state == SMR_REFINE_GOES_ON)
+        smr_align_limit(&a, w->how, r);
+}
+
+/* Tasks visit a piece of the pairs for each pose of the group, then the next piece. */
+static uint32_t collect_tasks(const void *job)
+{
+    const smr_align_work *w = work_of(job);
+    return w->last ? 0u : w->n * SMR_SIDES * smr_ceil_div(w->aligner.used, SMR_ALIGN_COLLECT);
+}
+
+static void collect(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_align_work *w = work_of(job);
+    const uint32_t i = task % w->n, pieces = smr_ceil_div(w->aligner.used, SMR_ALIGN_COLLECT), at = task / w->n;
+    const smr_aligner a = aligner_of(w, i);
+    if (w->group[i].state == SMR_REFINE_GOES_ON)
+        smr_align_collect(&a, at / pieces, smr_piece_of(at % pieces, SMR_ALIGN_COLLECT, a.used), &w->group[i]);
+}
+
+static void fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_align_work *w = work_of(job);
+    smr_refined *const r = &w->group[task];
+    if (w->last || r->state != SMR_REFINE_GOES_ON)
+        return;
+    r->state = smr_align_round(w->how, r);
+    if (r->state == SMR_REFINE_GOES_ON && r->round == w->rounds)
+        r->state = SMR_REFINE_ENDED;
 }
 
 /* Goes on with the next round, with the last search of pairs, with the next group, or with the steps. */
@@ -212,11 +238,13 @@ static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
 
 static const smr_stage stages[] = {
     {side_tasks, make_sides, smr_in_order, NULL},
-    {NULL, run_steps, NULL, NULL},
+    {NULL, run_step, NULL, NULL},
     {try_tasks, try_pose, try_places, take_poses},
     {NULL, begin_group, NULL, NULL},
     {pairs_tasks, find_some, NULL, NULL},
-    {fit_tasks, fit, NULL, NULL},
+    {group_tasks, find_limit, NULL, NULL},
+    {collect_tasks, collect, group_tasks, NULL},
+    {group_tasks, fit, NULL, NULL},
     {NULL, end_round, NULL, NULL},
 };
 
