@@ -194,7 +194,7 @@ static const smr_stage stages[] = {
     {ratio_tasks, find_ratios, NULL, NULL},
 };
 
-static int guard(void *job, int enter)
+static int is_unchanged(void *job, int enter)
 {
     local *l = job;
     l->sums.schedule = &l->schedule;
@@ -215,7 +215,7 @@ smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, f
     const float wanted = radius_mm > 0.0f ? radius_mm : SMR_LOCAL_EDGES * smr_le_float(m->edge_mm);
     memset(l, 0, sizeof *l);
     l->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
-    l->job.head.guard = guard;
+    l->job.head.guard = is_unchanged;
     l->first = structure == SMR_ALL ? 0u : s->shape.structure[structure].first_vertex;
     l->n = structure == SMR_ALL ? s->shared.n : s->shape.structure[structure].n_vertices;
     l->ratio = ratio;

@@ -240,7 +240,7 @@ static const smr_stage stages[] = {
     {copy_tasks, copy_expected, NULL, NULL},
 };
 
-static int guard(void *job, int enter)
+static int is_unchanged(void *job, int enter)
 {
     const smr_judgement *j = job;
     return (!enter || smr_inputs_valid(&j->s->forces)) && smr_measure_guard(&j->job, enter);
@@ -258,7 +258,7 @@ static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float 
         return SMR_E_INPUT;
     memset(j, 0, sizeof *j);
     j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
-    j->job.head.guard = guard;
+    j->job.head.guard = is_unchanged;
     j->s = s;
     j->asked = structure;
     j->structure = structure == SMR_ALL ? 0u : structure;

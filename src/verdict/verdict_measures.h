@@ -207,18 +207,19 @@ void smr_measure_moved(const smr_judgement *j, uint32_t structure, const smr_evi
 /* verdict_target_measures.c, verdict_vertex_measures.c: stages that measure a structure on its target; for expected
  * errors only what these need: residual and n_invisible. */
 void smr_target_begin(smr_judgement *j);
-smr_count_tasks smr_list_tasks, smr_visible_tasks, smr_distances_tasks, smr_cloud_tasks, smr_profiles_tasks,
-    smr_vertices_tasks, smr_triangles_measure_tasks, smr_cover_tasks, smr_points_tasks, smr_places_abreast;
-smr_run_task smr_list_vertices, smr_visible_find, smr_distances_find, smr_cloud_measure, smr_profiles_compare,
-    smr_vertices_measure, smr_triangles_measure, smr_cover_measure, smr_points_measure;
+smr_count_tasks smr_list_tasks, smr_visible_tasks, smr_distances_tasks, smr_cloud_tasks, smr_profiles_tasks;
+smr_count_tasks smr_vertices_tasks, smr_triangles_measure_tasks, smr_cover_tasks, smr_points_tasks;
+smr_count_tasks smr_places_abreast;
+smr_run_task smr_list_vertices, smr_visible_find, smr_distances_find, smr_cloud_measure, smr_profiles_compare;
+smr_run_task smr_vertices_measure, smr_triangles_measure, smr_cover_measure, smr_points_measure;
 smr_take_results smr_cloud_take, smr_profiles_take, smr_triangles_take, smr_cover_take, smr_points_take;
 
 /* expected_error.c, expected_error_observations.c: stages that compute the expected errors of each vertex,
  * smr_vertex_expected(), and add their means. */
-smr_count_tasks smr_observed_tasks, smr_noise_tasks, smr_noise_rings_tasks, smr_factor_tasks, smr_round_tasks,
-    smr_errors_tasks, smr_errors_add_tasks;
-smr_run_task smr_observed_count, smr_observe, smr_field_begin, smr_noise_begin, smr_noise_rings_add, smr_noise_add,
-    smr_factor_rows, smr_round_end, smr_errors_find, smr_errors_add;
+smr_count_tasks smr_observed_tasks, smr_noise_tasks, smr_noise_rings_tasks, smr_factor_tasks, smr_round_tasks;
+smr_count_tasks smr_errors_tasks, smr_errors_add_tasks;
+smr_run_task smr_observed_count, smr_observe, smr_field_begin, smr_noise_begin, smr_noise_rings_add, smr_noise_add;
+smr_run_task smr_factor_rows, smr_round_end, smr_errors_find, smr_errors_add;
 
 /* Sets probability, level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures.
  * strays: share of a cloud's points that are outliers. */

@@ -351,7 +351,7 @@ static const smr_stage stages[] = {
 #define SMR_CONTACT_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))
 
 /* Returns 1 while both surfaces are as at the begin. */
-static int guard(void *job, int enter)
+static int is_unchanged(void *job, int enter)
 {
     const contact *c = job;
     const smr_surface *a = c->sweep[0].a, *b = c->sweep[0].b;
@@ -383,7 +383,7 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
         return SMR_E_INPUT;
     memset(c, 0, sizeof *c);
     c->head = smr_job_begin(stages, SMR_CONTACT_STAGES, NULL);
-    c->head.guard = guard;
+    c->head.guard = is_unchanged;
     c->report = report;
     c->changes[0] = a->changes;
     c->changes[1] = b->changes;

@@ -67,7 +67,7 @@ void smr_align_insert(const smr_aligner *a, const smr_pose *pose, float cost, sm
 /* ---- requests of the steps ---- */
 
 /* Starts a coarse search at a scale. */
-static void search(smr_align_work *w, float scale, uint32_t n_shifts, int mirrored, uint32_t most)
+static void start_search(smr_align_work *w, float scale, uint32_t n_shifts, int mirrored, uint32_t most)
 {
     w->search = (smr_coarse_search){.scale = scale, .n_shifts = n_shifts, .mirrored = mirrored};
     w->n_tried = SMR_CUBE * SMR_TURNS * n_shifts;
@@ -109,7 +109,7 @@ static int find_poses(smr_align_work *w)
     a->far2 = far * far;
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
     smr_coarse_take(&w->coarse, a);
-    search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
+    start_search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
     smr_list_insert(&w->found, &w->given, 0.0f);
     smr_list_start(&w->shorter, SMR_FINALISTS);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
@@ -119,7 +119,7 @@ static int find_poses(smr_align_work *w)
 /* Searches poses at another scale, which is then free: that distinguishes bones of two sizes. */
 static int try_scale(smr_align_work *w, float scale, uint32_t how)
 {
-    search(w, scale, SMR_SHIFTS_LONG, 0, SMR_OF_SCALE);
+    start_search(w, scale, SMR_SHIFTS_LONG, 0, SMR_OF_SCALE);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
     return 1;
 }
@@ -268,7 +268,7 @@ static int compare_other(smr_align_work *w)
 /* Searches the model's mirror image near the result's scale. */
 static int try_mirrored(smr_align_work *w)
 {
-    search(w, w->said.scale, SMR_SHIFTS_LONG, 1, SMR_OF_SCALE);
+    start_search(w, w->said.scale, SMR_SHIFTS_LONG, 1, SMR_OF_SCALE);
     smr_list_start(&w->shorter, 1);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED | w->scaled, &w->shorter);
     return 1;

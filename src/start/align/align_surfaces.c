@@ -249,7 +249,7 @@ static const smr_stage stages[] = {
 };
 
 /* Returns 1 while both surfaces are as at the begin. */
-static int guard(void *job, int enter)
+static int is_unchanged(void *job, int enter)
 {
     const align_job *j = job;
     for (uint32_t side = 0; side < SMR_SIDES && enter; side++) {
@@ -287,7 +287,7 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     memset(w, 0, sizeof *w);
     memset(j, 0, sizeof *j);
     j->head = smr_job_begin(stages, sizeof stages / sizeof stages[0], config->port);
-    j->head.guard = guard;
+    j->head.guard = is_unchanged;
     j->w = w;
     w->aligner = parts;
     w->place = place;
