@@ -288,9 +288,10 @@ typedef struct smr_verdict {
     float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
 
-/* Measures and judges one structure, or SMR_ALL, without a change of the result, on one thread. The cost is a closest
- * point for each vertex and target triangle, and about 9,000 multiplications for each vertex. Errors: E_NULL, E_INPUT,
- * E_STATE (no registration; within a tick; a changed target; an iteration under way: tick until SMR_OK). */
+/* Measures and judges one structure, or SMR_ALL, without a change of the result, on the port's threads. The cost is a
+ * closest point for each vertex and target triangle, and about 9,000 multiplications for each vertex. In pieces:
+ * smr_verdict_begin(). Errors: E_NULL, E_INPUT, E_STATE (no registration; within a tick; a changed target; an iteration
+ * under way: tick until SMR_OK). */
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict);
 
 /* Returns one sentence for one bit of smr_verdict.reasons: measure and advice. Any other argument gives "". */
@@ -310,6 +311,20 @@ struct smr_port {
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
     uint64_t (*now_ns)(void *ctx); /* returns monotonic nanoseconds; NULL: no clock, and budgets and times are 0 */
 };
+
+/* A call in pieces, for little time at once. smr_NAME_begin() checks and borrows the call's arguments; the state lies
+ * in the caller's job, which may be left at any time. smr_job_step() does the work. */
+#define SMR_JOB_BYTES 2048u
+typedef struct smr_job {
+    uint64_t state[SMR_JOB_BYTES / 8u];
+} smr_job;
+
+/* Continues a job for `units` pieces of about 100,000 instructions at most (0: no limit), or until budget_ns passed by
+ * the port's clock (0, or no clock: no limit), to the end of a piece on each worker. port NULL: the port that the
+ * call has anyway, or none. Limits and threads change no bit. SMR_OK: the results are written. SMR_PARTIAL: work is
+ * left. Errors: E_NULL, E_CONFIG (n_workers), E_STATE (no job; a registration that has since got a tick, a setter or
+ * another measure; the port, as in smr_tick()), those of the call NAME. */
+smr_status smr_job_step(smr_job *job, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
 /* Tests whether compiler and processor compute float arithmetic as the library needs. Returns 0, or a sum of
  * SMR_FLOAT_...; any flag means that results have other bits than elsewhere. The test needs no memory and some hundred
@@ -342,6 +357,12 @@ uint32_t smr_self_test(void);
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
 
+/* Begin smr_get_verdict(), smr_get_expected_error() with its parts (unwanted arrays may be NULL), and
+ * smr_get_local_volume() in pieces. */
+smr_status smr_verdict_begin(smr *s, uint32_t structure, smr_verdict *verdict, smr_job *job);
+smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm, smr_job *job);
+smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job);
+
 /* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex; 0: the vertex
  * follows other vertices. smr_get_normals() writes xyz[n_vertices][3], in the caller's order: unit normals, or 0 where
  * no triangle has an area. Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
@@ -369,7 +390,7 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
  * -1e6..1e6; below 0: inside out. The less the surface surrounds the cluster, the more the ratio is the change of
  * area; without a surface, it is the cube of the model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the
  * model's radius nearest to radius_mm; 0 means eight mean edges. Choose a radius as large as the structure is thick.
- * The call takes as long as an iteration, on one thread. Errors: as smr_get_verdict(), and E_STATE without inputs. */
+ * The call takes as long as an iteration. Errors: as smr_get_verdict(), and E_STATE without inputs. */
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio);
 
 /* Returns a hash of the reference shape, and of the positions relative to the start's whole millimetres; 0 for NULL. */
@@ -508,6 +529,7 @@ typedef struct smr_align_config {
     uint32_t iterations;   /* 1..1000, default 60. Number of closest-point iterations of the last refinement */
     uint32_t samples;      /* 16..100000, default 600. Number of points taken from each surface */
     const smr_pose *given; /* known pose of the model, tried as well; NULL (default): the identity */
+    const smr_port *port;  /* threads that share the work; NULL (default): one */
 } smr_align_config;
 smr_align_config smr_align_config_default(void);
 
@@ -534,6 +556,8 @@ typedef struct smr_align_report {
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report);
+smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
+                           void *memory, size_t bytes, smr_pose *pose, smr_align_report *report, smr_job *job);
 
 /* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm. scaled 0: the pose is rigid. scaled 1:
  * the pose has one scale, the ratio of the spreads. *rms_mm (may be NULL) is the root mean square of the remaining
@@ -772,10 +796,13 @@ typedef struct smr_contact_report {
     float area_mm2;   /* mm^2. Area of a surface inside the other, or within within_mm of the other; mean of both */
 } smr_contact_report;
 
-/* Measures the contact of two surfaces; clouds are refused. within_mm: 0..100, the distance that counts as contact. The
- * call takes about as long as the closest points of both surfaces' vertices. For a result, pass surfaces built of the
- * structures' positions. Errors: E_NULL, E_STATE (not a complete surface with triangles), E_INPUT. */
+/* Measure the contact of two surfaces, in pieces and at once; clouds are refused. within_mm: 0..100, the distance that
+ * counts as contact. The call takes about as long as the closest points of both surfaces' vertices, and no time for
+ * surfaces whose boxes are apart. For a result, pass surfaces built of the structures' positions. Errors: E_NULL,
+ * E_STATE (not a complete surface with triangles, or changed since the begin), E_INPUT. */
 smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report);
+smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b, float within_mm,
+                                     smr_contact_report *report, smr_job *job);
 
 /* Sets the asked volume of a closed structure, or of each closed structure (SMR_ALL): ratio, 0.1..10, times the rest
  * shape's volume in the scale of the start. The scale of the start is that of the similarity that best lays the model's
@@ -1016,6 +1043,8 @@ typedef struct smr_carry smr_carry;
 smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry);
+smr_status smr_carry_fit_begin(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
+                               const smr_port *port, void *memory, size_t bytes, smr_carry **carry, smr_job *job);
 
 /* Writes the bound points' present places to xyz[n_points][3] mm. now[n_vertices][3] mm: the vertices' present places
  * in the order of rest (smr_get_positions() for each structure). Two threads must not use a map at the same time.

@@ -110,7 +110,7 @@ work() {
 items='m7:golden m7:target_budget m7:target_track'
 boards='' without=tests/check_link.sh ticks=200
 if [ "${SMR_FULL:-0}" = 1 ]; then
-    items="$items m7:target_interrupt m55:golden m55:target_budget m55:target_interrupt m55:target_track"
+    items="$items m7:target_interrupt m7:target_jobs m55:golden m55:target_budget m55:target_interrupt m55:target_track"
     boards=tests/target/check_timing.sh without=none ticks=250
 fi
 for item in $items; do boards="$boards tests/target/check_boards.sh:$item:$(case $item in m55*) echo 200 ;; *) echo $ticks ;; esac)"; done

@@ -143,7 +143,7 @@ _Port = _struct("_Port", ("ctx", _P), ("n_workers", _U), ("parallel", _P), ("now
 _Closest = _struct("_Closest", ("point", _F * 3), ("normal", _F * 3), ("distance", _F), ("triangle", _U),
                    ("weight", _F * 3), ("on_border", _U))
 _AlignConfig = _struct("_AlignConfig", ("cookie", _U), ("scaled", _U), ("iterations", _U), ("samples", _U),
-                       ("given", _P))
+                       ("given", _P), ("port", _P))
 
 
 class AlignReport(_Struct):
@@ -800,10 +800,10 @@ def _as_surface(shape: Any, what: str) -> Surface:
 
 
 def align(model: Union[Model, Surface, Mesh], target: Union[Surface, Points, Mesh, Array], scaled: bool = True,
-          given: Any = None, **settings: int) -> Tuple[Pose, AlignReport]:
+          given: Any = None, threads: Optional[int] = None, **settings: int) -> Tuple[Pose, AlignReport]:
     """The pose [3][4] that lays a model onto a target, without landmarks. A (xyz, triangles) is a surface, an array
     [n][3] a cloud. scaled: with one scale. given: the pose [3][4] that is tried as well; None: as the files lie.
-    settings: iterations, samples."""
+    threads None: as many as processors. settings: iterations, samples."""
     source, onto = _as_surface(model, "model"), _as_surface(target, "target")
     config = _lib.smr_align_config_default()
     config.scaled = int(scaled)
@@ -813,6 +813,8 @@ def align(model: Union[Model, Surface, Mesh], target: Union[Surface, Points, Mes
         setattr(config, name, _whole(value, name, _MOST, _E_CONFIG))
     start = None if given is None else _pose_struct(given)
     config.given = None if start is None else C.addressof(start)
+    pool = _Pool(threads)
+    config.port = C.addressof(pool.port)
     scratch = _memory(_sized(_lib.smr_align_bytes, C.byref(config)))
     pose, report = _Pose(), AlignReport()
     _lib.smr_align(source._handle, onto._handle, C.byref(config), _at(scratch), len(scratch), C.byref(pose),

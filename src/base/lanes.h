@@ -1,27 +1,32 @@
-/* lanes.h: floats and vectors of four positions, computed at once, since compilers do not vectorise every loop. Each
- * lane has the bits of the same computation with one float.
+/* lanes.h: floats and vectors of several positions, computed at once, since compilers do not vectorise every loop. Each
+ * lane has the bits of the same computation with one float, so the number of lanes changes no bit.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_LANES_H
 #define SMR_LANES_H
 
 #include "base/vec.h"
 
-#define SMR_LANES 4u /* positions that are computed at once */
-
+/* Positions that are computed at once. Processors without vectors have few registers, and shorter pieces with two. */
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+#define SMR_LANES 2u
+typedef float smr_lanes __attribute__((vector_size(8)));
+#else
+#define SMR_LANES 4u
 typedef float smr_lanes __attribute__((vector_size(16)));
+#endif
 
 typedef struct smr_lanes3 {
     smr_lanes x, y, z;
 } smr_lanes3;
 
-/* Return four lanes that all hold the value a. */
-static inline smr_lanes smr_lanes_of(float a) { return (smr_lanes){a, a, a, a}; }
+/* Return lanes that all hold the value a. The difference from 0 keeps all bits, a negative 0 included. */
+static inline smr_lanes smr_lanes_of(float a) { return a - (smr_lanes){0}; }
 static inline smr_lanes3 smr_lanes3_of(smr_vec a)
 {
     return (smr_lanes3){smr_lanes_of(a.x), smr_lanes_of(a.y), smr_lanes_of(a.z)};
 }
 
-/* Return, and set, the vector in lane l of four vectors. */
+/* Return, and set, the vector in lane l of several vectors. */
 static inline smr_vec smr_lane(const smr_lanes3 *a, uint32_t l) { return smr_v(a->x[l], a->y[l], a->z[l]); }
 static inline void smr_lane_set(smr_lanes3 *a, uint32_t l, smr_vec v)
 {

@@ -60,7 +60,8 @@ struct smr_carry {
 
 /* Writes the selections of n vertices, the shapes of their trees, the number of selections and that of all nodes. */
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes);
-void smr_carry_boxes(const smr_carry_thin *thin, const float *rest); /* fits the tree's boxes to rest positions */
+/* Fits the boxes of the tree's leaves first .. last-1 to rest positions. */
+void smr_carry_boxes(const smr_carry_thin *thin, const float *rest, uint32_t first, uint32_t last);
 
 /* The vertices of one selection that are nearest to a point, nearest first; at equal distances in the curve's order. */
 typedef struct smr_carry_nearest {

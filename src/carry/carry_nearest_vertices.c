@@ -34,15 +34,16 @@ static const float *vertex(const smr_carry_thin *t, const float *rest, uint32_t 
     return rest + 3u * ((size_t)t->first + (size_t)i * t->stride);
 }
 
-void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
+void smr_carry_boxes(const smr_carry_thin *t, const float *rest, uint32_t first, uint32_t last)
 {
-    for (uint32_t i = 0; i < smr_tree_leaves(&t->groups) * SMR_TREE_WIDTH; i++)
+    const uint32_t per_leaf = SMR_TREE_WIDTH * SMR_TREE_WIDTH;
+    for (uint32_t i = first * SMR_TREE_WIDTH; i < last * SMR_TREE_WIDTH; i++)
         for (uint32_t axis = 0; axis < 3u; axis++) {
             t->groups.node[i / SMR_TREE_WIDTH].lo[axis][i % SMR_TREE_WIDTH] = SMR_FAR;
             t->groups.node[i / SMR_TREE_WIDTH].hi[axis][i % SMR_TREE_WIDTH] =
                 i < t->groups.n_triangles ? -SMR_FAR : SMR_FAR; /* lo > hi: empty before vertices are added */
         }
-    for (uint32_t i = 0; i < t->n; i++) {
+    for (uint32_t i = first * per_leaf; i < smr_min_u32(t->n, last * per_leaf); i++) {
         const uint32_t group = i / SMR_TREE_WIDTH, k = group % SMR_TREE_WIDTH;
         smr_node *node = &t->groups.node[group / SMR_TREE_WIDTH];
         for (uint32_t axis = 0; axis < 3u; axis++) {
@@ -50,7 +51,6 @@ void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
             node->hi[axis][k] = smr_max(node->hi[axis][k], vertex(t, rest, i)[axis]);
         }
     }
-    smr_tree_refit_upper(&t->groups);
 }
 
 static float bound_of(const smr_carry_nearest *f) { return f->n < f->most ? SMR_CARRY_NOWHERE : f->d2[f->n - 1u]; }

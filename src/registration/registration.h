@@ -53,6 +53,7 @@ struct smr {
     smr_folds folds;
     smr_time_budget budget;
     smr_log log;
+    uint32_t n_measured; /* number of measures begun, which use the memory of records and sums */
     smr_tick_report report;
 };
 

@@ -2,11 +2,12 @@
  * surface of a cluster and its centre, now / at rest. Volumes are measured, not derived from transforms, so they
  * include folds and forces; a linear map would count bending as shrinking. Each vertex gets a third of its triangles'
  * normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of records and sums.
- * Bounds: four passes over the vertices, two over the triangles, one over a radius' lists.
+ * A job (base/job.h). Bounds: passes over vertices and triangles in short pieces, one over a radius' lists.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
 #include "geometry/box_tree/triangle.h"
 #include "registration/schedule_radius.h"
+#include "verdict/measure_job.h"
 
 #define SMR_LOCAL_EDGES 8.0f     /* default radius in mean edge lengths */
 #define SMR_LOCAL_MOST 1.0e6f    /* largest ratio of volumes that is returned */
@@ -16,29 +17,23 @@
 /* Words of the record of a vertex or a cluster: of the present shape, then as many of the rest shape. */
 enum { SMR_SIX_VOLUMES, SMR_NORMALS, SMR_MOMENTS = 4, SMR_TWO_AREAS = 7, SMR_LOCAL_WORDS };
 
+#define SMR_LOCAL_PIECE 256u /* vertices or triangles in a task */
+
 typedef struct local {
+    smr_measuring job;
+    uint32_t first, n; /* vertices asked for, in the caller's order */
+    float *ratio;      /* [n] the caller's */
     const smr_shared *shared;
     smr_schedule schedule; /* a copy with the lists of the requested radius */
     smr_shape shape;       /* a copy with the pose from the rest shape to the present one */
     smr_sums sums;
-    float *part;       /* [n][SMR_LOCAL_WORDS] floating-point values of each vertex, of one shape */
-    float scale[2][2]; /* [present, rest][areas, volumes] stored = value * scale */
+    uint32_t rest;      /* 1: the rest shape is recorded; 0: the present one */
+    float area, volume; /* largest values of vertices so far, mm^2 and mm^3 */
+    float *part;        /* [n][SMR_LOCAL_WORDS] floating-point values of each vertex, of one shape */
+    float scale[2][2];  /* [present, rest][areas, volumes] stored = value * scale */
 } local;
 
-static void begin(local *l, const smr *s, float radius_mm)
-{
-    const smr_model *m = s->shared.model;
-    const float wanted = radius_mm > 0.0f ? radius_mm : SMR_LOCAL_EDGES * smr_le_float(m->edge_mm);
-    l->shared = &s->shared;
-    l->schedule = s->schedule;
-    l->schedule.lists = smr_model_lists(m, smr_radius_near(m, 0, smr_le32(m->n_radii) - 1u, wanted));
-    l->schedule.n_active = s->shared.n;
-    l->shape = s->shape;
-    smr_rest_pose_now(&l->shape);
-    l->sums = s->sums;
-    l->sums.schedule = &l->schedule;
-    l->part = (float *)s->sums.sum;
-}
+_Static_assert(sizeof(local) <= SMR_JOB_BYTES, "local volumes in progress lie in the caller's job");
 
 static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])
 {
@@ -52,34 +47,93 @@ static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])
             l->part[SMR_LOCAL_WORDS * (size_t)t[c] + i] += words[i];
 }
 
-/* Writes the records of the present shape (rest 0) or of the rest shape (rest 1). */
-static void record(local *l, int rest)
+/* ---- records of the present shape, then of the rest shape ---- */
+
+static uint32_t pose_tasks(const void *job) { return smr_rest_pose_tasks(&((const local *)job)->shape); }
+static void add_pose(void *job, uint32_t task, uint32_t worker)
 {
-    const uint32_t n = l->shared->n;
-    float area = 0.0f, volume = 0.0f;
-    memset(l->part, 0, SMR_LOCAL_WORDS * sizeof(float) * (size_t)n);
-    for (uint32_t k = 0; k < l->shared->n_triangles; k++) {
+    smr_rest_pose_sum(&((local *)job)->shape, task, worker);
+}
+
+static uint32_t vertex_tasks(const void *job) { return smr_ceil_div(((const local *)job)->shared->n, SMR_LOCAL_PIECE); }
+static uint32_t triangle_tasks(const void *job)
+{
+    return smr_ceil_div(((const local *)job)->shared->n_triangles, SMR_LOCAL_PIECE);
+}
+
+static void clear(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const local *l = job;
+    const smr_piece p = smr_piece_of(task, SMR_LOCAL_PIECE, l->shared->n);
+    memset(l->part + SMR_LOCAL_WORDS * (size_t)p.first, 0, SMR_LOCAL_WORDS * sizeof(float) * (p.last - p.first));
+}
+
+static void add_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    local *l = job;
+    const smr_piece piece = smr_piece_of(task, SMR_LOCAL_PIECE, l->shared->n_triangles);
+    if (task == 0u && !l->rest)
+        smr_rest_pose_end(&l->shape);
+    l->area = l->volume = 0.0f;
+    for (uint32_t k = piece.first; k < piece.last; k++) {
         const uint32_t *t = l->shared->triangle + 3u * (size_t)k;
         smr_vec p[3];
         for (uint32_t c = 0; c < 3u; c++)
-            p[c] = rest ? smr_rest_posed(&l->shape, t[c]) : smr_get3(l->shape.x, t[c]);
+            p[c] = l->rest ? smr_rest_posed(&l->shape, t[c]) : smr_get3(l->shape.x, t[c]);
         add_triangle(l, t, p);
     }
-    for (uint32_t v = 0; v < n; v++) {
+}
+
+/* Finds the largest values; the last task sets the scales of fixed-point values. */
+static void find_largest(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    local *l = job;
+    const smr_piece p = smr_piece_of(task, SMR_LOCAL_PIECE, l->shared->n);
+    for (uint32_t v = p.first; v < p.last; v++) {
         const float *part = l->part + SMR_LOCAL_WORDS * (size_t)v;
-        area = smr_max(area, part[SMR_TWO_AREAS]);
+        l->area = smr_max(l->area, part[SMR_TWO_AREAS]);
         for (uint32_t i = 0; i < SMR_TWO_AREAS; i++)
             if (i < SMR_NORMALS || i >= SMR_MOMENTS)
-                volume = smr_max(volume, smr_abs(part[i]));
+                l->volume = smr_max(l->volume, smr_abs(part[i]));
     }
-    smr_sums_expect(&l->sums, SMR_WORDS, area, volume);
-    memcpy(l->scale[rest], l->sums.scale, sizeof l->sums.scale);
-    for (uint32_t i = 0; i < SMR_LOCAL_WORDS * n; i++) {
+    if (p.last < l->shared->n)
+        return;
+    smr_sums_expect(&l->sums, SMR_WORDS, l->area, l->volume);
+    memcpy(l->scale[l->rest], l->sums.scale, sizeof l->sums.scale);
+}
+
+static void record(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const local *l = job;
+    const smr_piece p = smr_piece_of(task, SMR_LOCAL_PIECE, l->shared->n);
+    for (uint32_t i = SMR_LOCAL_WORDS * p.first; i < SMR_LOCAL_WORDS * p.last; i++) {
         const uint32_t v = i / SMR_LOCAL_WORDS, k = i % SMR_LOCAL_WORDS;
         const int is_volume = k < SMR_NORMALS || (k >= SMR_MOMENTS && k < SMR_TWO_AREAS);
-        l->sums.record[SMR_WORDS * (size_t)v + (rest ? SMR_LOCAL_WORDS : 0u) + k] =
-            smr_fixed(l->part[i] * l->sums.scale[is_volume]);
+        l->sums.record[SMR_WORDS * (size_t)v + (l->rest ? SMR_LOCAL_WORDS : 0u) + k] =
+            smr_fixed(l->part[i] * l->scale[l->rest][is_volume]);
     }
+}
+
+/* Goes back to record the rest shape; then prepares the sums. */
+static void end_records(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    local *l = job;
+    if (l->rest == 0u)
+        l->job.head.next_stage = l->job.head.stage - 4u;
+    l->rest = 1;
+    smr_block_pieces(&l->sums, 1);
+}
+
+static uint32_t block_tasks(const void *job) { return smr_block_tasks(&((const local *)job)->sums); }
+static uint32_t block_abreast(const void *job) { return smr_block_abreast(&((const local *)job)->sums); }
+static uint32_t boundary_tasks(const void *job) { return smr_boundary_tasks(&((const local *)job)->sums); }
+static void sum_block(void *job, uint32_t task, uint32_t worker)
+{
+    smr_sums_forest(&((local *)job)->sums, task, worker);
+}
+static void sum_boundary(void *job, uint32_t task, uint32_t worker)
+{
+    smr_boundary_sums(&((local *)job)->sums, task, worker);
 }
 
 /* Volume, area and openness of a cluster in one shape. */
@@ -118,23 +172,67 @@ static float ratio_at(const local *l, uint32_t v)
                                                : (to < 0.0f ? -SMR_LOCAL_MOST : SMR_LOCAL_MOST);
 }
 
-smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio)
+static uint32_t ratio_tasks(const void *job) { return smr_ceil_div(((const local *)job)->n, SMR_LOCAL_PIECE); }
+
+static void find_ratios(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    local l;
-    if (s == NULL || ratio == NULL)
+    const local *l = job;
+    const smr_piece p = smr_piece_of(task, SMR_LOCAL_PIECE, l->n);
+    for (uint32_t k = p.first; k < p.last; k++)
+        l->ratio[k] = ratio_at(l, smr_model_position(l->shared->model, l->first + k));
+}
+
+static const smr_stage stages[] = {
+    {pose_tasks, add_pose, smr_in_order, NULL},
+    {vertex_tasks, clear, NULL, NULL},
+    {triangle_tasks, add_triangles, smr_in_order, NULL},
+    {vertex_tasks, find_largest, smr_in_order, NULL},
+    {vertex_tasks, record, NULL, NULL},
+    {NULL, end_records, NULL, NULL}, /* back to `clear` */
+    {block_tasks, sum_block, block_abreast, NULL},
+    {boundary_tasks, sum_boundary, smr_in_order, NULL},
+    {ratio_tasks, find_ratios, NULL, NULL},
+};
+
+static int is_unchanged(void *job, int enter)
+{
+    local *l = job;
+    l->sums.schedule = &l->schedule;
+    return smr_measure_guard(&l->job, enter);
+}
+
+smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job)
+{
+    local *const l = (local *)(void *)job;
+    if (s == NULL || ratio == NULL || job == NULL)
         return SMR_E_NULL;
-    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u)
+    if (!smr_measurable(s))
         return SMR_E_STATE;
     if ((structure != SMR_ALL && structure >= s->shared.n_structures) || !(radius_mm >= 0.0f) ||
         radius_mm > SMR_COORD_MAX)
         return SMR_E_INPUT;
-    begin(&l, s, radius_mm);
-    record(&l, 0);
-    record(&l, 1);
-    smr_sums_at_once(&l.sums);
-    const uint32_t first = structure == SMR_ALL ? 0u : s->shape.structure[structure].first_vertex;
-    const uint32_t n = structure == SMR_ALL ? s->shared.n : s->shape.structure[structure].n_vertices;
-    for (uint32_t k = 0; k < n; k++)
-        ratio[k] = ratio_at(&l, smr_model_position(s->shared.model, first + k));
+    const smr_model *m = s->shared.model;
+    const float wanted = radius_mm > 0.0f ? radius_mm : SMR_LOCAL_EDGES * smr_le_float(m->edge_mm);
+    memset(l, 0, sizeof *l);
+    l->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
+    l->job.head.guard = is_unchanged;
+    l->first = structure == SMR_ALL ? 0u : s->shape.structure[structure].first_vertex;
+    l->n = structure == SMR_ALL ? s->shared.n : s->shape.structure[structure].n_vertices;
+    l->ratio = ratio;
+    l->shared = &s->shared;
+    l->schedule = s->schedule;
+    l->schedule.lists = smr_model_lists(m, smr_radius_near(m, 0, smr_le32(m->n_radii) - 1u, wanted));
+    l->schedule.n_active = s->shared.n;
+    l->shape = s->shape;
+    l->shape.rest_pose_due = 1;
+    l->sums = s->sums;
+    l->part = (float *)s->sums.sum;
     return SMR_OK;
+}
+
+smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio)
+{
+    smr_job job;
+    SMR_TRY(smr_local_volume_begin(s, structure, radius_mm, ratio, &job));
+    return smr_job_step(&job, 0, NULL, 0);
 }

@@ -1,4 +1,5 @@
-/* verdict.c: readings that judge a result: the verdict and its reasons in words, visible vertices, expected errors.
+/* verdict.c: readings that judge a result: the verdict and its reasons in words, visible vertices, expected errors. A
+ * verdict and expected errors are a job (base/job.h), which the whole calls run at once.
  * Bounds: those of the measures, once for each requested structure.
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
@@ -40,28 +41,6 @@ const char *smr_reason_text(uint32_t bit)
     }
 }
 
-/* Checks that measures can be taken now and that `out` exists. Errors: E_NULL, E_STATE. */
-static smr_status check(const smr *s, const void *out)
-{
-    if (s == NULL || out == NULL)
-        return SMR_E_NULL;
-    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_inputs_valid(&s->forces))
-        return SMR_E_STATE;
-    return SMR_OK;
-}
-
-/* Clears e and stores the measures of one structure there: all, or those on which the expected errors depend. */
-static void gather(const smr *s, uint32_t structure, int all, smr_evidence *e)
-{
-    *e = (smr_evidence){.scale_rest = 1.0f};
-    if (s->shape.structure[structure].n_vertices == 0u)
-        return;
-    if (all)
-        smr_measure_shape(s, structure, e);
-    smr_measure_target(s, structure, all, e);
-    smr_measure_expected(s, structure, e);
-}
-
 /* Adds the measures of one structure to those of the whole model. */
 static void add_all(smr_evidence *to, const smr_evidence *more)
 {
@@ -82,8 +61,9 @@ static void add_doubt(smr_verdict *verdict, uint32_t reason)
 }
 
 /* Computes the verdict on a structure or on the whole model (SMR_ALL) from its measures. */
-static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, smr_verdict *verdict)
+static void conclude(const smr_judgement *j, uint32_t structure, const smr_evidence *e, smr_verdict *verdict)
 {
+    const smr *s = j->s;
     memset(verdict, 0, sizeof *verdict);
     const smr_mean shown = {e->expected.sum - e->hidden.sum, e->expected.weight - e->hidden.weight};
     verdict->expected_error_mm = smr_mean_of(shown, -1.0f); /* judged without vertices outside the image */
@@ -103,7 +83,7 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     verdict->rotation_deg = e->rotation_deg;
     verdict->bend_mm = smr_mean_of(e->bend, 0.0f);
     verdict->moved_last_mm = s->evolve.moved_mm;
-    smr_measure_moved(s, structure, e, verdict);
+    smr_measure_moved(j, structure, e, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
               smr_mean_of(e->strays, 0.0f));
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
@@ -113,28 +93,14 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
 
 /* Computes the verdict on all structures together. The whole is not good when most vertices are in structures that are
  * not good, and has not failed when most vertices are in good structures. */
-static void judge_all(const smr *s, smr_verdict *verdict)
+static void judge_all(const smr_judgement *j, smr_verdict *verdict)
 {
-    smr_evidence all = {.rotation_deg = 0.0f};
-    smr_verdict one;
-    float n = 0.0f, doubtful = 0.0f;
-    for (uint32_t i = 0; i < s->shared.n_structures; i++) {
-        smr_evidence e;
-        gather(s, i, 1, &e);
-        add_all(&all, &e);
-        if (s->shared.n_structures == 1u || s->shape.structure[i].n_vertices == 0u || !(e.visible.weight > 0.0f))
-            continue;
-        conclude(s, i, &e, &one);
-        const float count = (float)s->shape.structure[i].n_vertices;
-        n += count;
-        doubtful += one.level != SMR_VERDICT_GOOD ? count : 0.0f;
-    }
-    conclude(s, SMR_ALL, &all, verdict);
-    if (s->shared.n_structures == 1u)
+    conclude(j, SMR_ALL, &j->all, verdict);
+    if (j->s->shared.n_structures == 1u)
         return;
-    if (doubtful > SMR_NOT_GOOD_SHARE * n)
+    if (j->n_doubtful > SMR_NOT_GOOD_SHARE * j->n)
         add_doubt(verdict, SMR_REASON_STRUCTURES);
-    else if (verdict->level == SMR_VERDICT_FAILED && n > 0.0f) {
+    else if (verdict->level == SMR_VERDICT_FAILED && j->n > 0.0f) {
         verdict->level = SMR_VERDICT_LOOK;
         verdict->probability = SMR_DOUBTFUL;
     }
@@ -148,22 +114,194 @@ static void note_recovering(const smr *s, smr_verdict *verdict)
         add_doubt(verdict, SMR_REASON_RECOVERING);
 }
 
+/* ---- the stages ---- */
+
+static void next_structure(smr_judgement *j)
+{
+    j->e = (smr_evidence){.scale_rest = 1.0f};
+    memset(&j->field, 0, sizeof j->field);
+    smr_target_begin(j);
+}
+
+/* Returns 1 when the structure gets a verdict of its own, which needs its motion from the start. */
+static int judges_structure(const smr_judgement *j)
+{
+    const int one_of_several = j->s->shared.n_structures > 1u && j->e.visible.weight > 0.0f;
+    return j->verdict != NULL && (j->asked != SMR_ALL || one_of_several);
+}
+
+static uint32_t moved_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    return judges_structure(j) ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE) : 0u;
+}
+
+static void moved_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    smr_fit_piece(j, task, smr_judged(j)->first_vertex, smr_judged(j)->n_vertices, 1);
+}
+
+static void structure_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const uint32_t n = smr_judged(j)->n_vertices;
+    add_all(&j->all, &j->e);
+    if (n > 0u && j->asked == SMR_ALL && judges_structure(j)) {
+        smr_verdict one;
+        conclude(j, j->structure, &j->e, &one);
+        j->n += (float)n;
+        j->n_doubtful += one.level != SMR_VERDICT_GOOD ? (float)n : 0.0f;
+    }
+    if (j->asked == SMR_ALL && ++j->structure < j->s->shared.n_structures) {
+        next_structure(j);
+        j->job.head.next_stage = 0;
+    }
+}
+
+static uint32_t all_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    return j->asked == SMR_ALL ? smr_ceil_div(j->s->shared.n, SMR_JUDGE_PIECE) : 0u;
+}
+
+static uint32_t all_rest_tasks(const void *job)
+{
+    return ((const smr_judgement *)job)->s->shared.n_structures > 1u ? all_tasks(job) : 0u;
+}
+
+static void all_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_fit_piece(job, task, 0, ((smr_judgement *)job)->s->shared.n, 1);
+}
+
+static void all_rest_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_fit_piece(job, task, 0, ((smr_judgement *)job)->s->shared.n, 0);
+}
+
+static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    if (j->verdict == NULL)
+        return;
+    if (j->asked == SMR_ALL)
+        judge_all(j, j->verdict);
+    else
+        conclude(j, j->asked, &j->e, j->verdict);
+    note_recovering(j->s, j->verdict);
+}
+
+static uint32_t copy_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    return j->verdict == NULL ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE) : 0u;
+}
+
+/* Copies the expected errors of a piece of the vertices to the caller's arrays. */
+static void copy_expected(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_judgement *j = job;
+    const smr_piece piece = smr_judged_vertices(j, task);
+    for (uint32_t k = 0; k < 3u; k++)
+        for (uint32_t i = piece.first; i < piece.last && j->mm[k] != NULL; i++)
+            j->mm[k][i] = smr_vertex_expected(j->s, smr_judged_vertex(j, i))[k];
+}
+
+/* The first stages run for each structure. Stages with smr_in_order sum in a fixed order. */
+static const smr_stage stages[] = {
+    {smr_rest_fit_tasks, smr_rest_fit_add, smr_in_order, NULL},
+    {smr_edges_tasks, smr_edges_measure, smr_in_order, NULL},
+    {smr_parts_tasks, smr_parts_add, smr_parts_abreast, smr_parts_take},
+    {smr_list_tasks, smr_list_vertices, smr_in_order, NULL},
+    {smr_visible_tasks, smr_visible_find, NULL, NULL},
+    {smr_distances_tasks, smr_distances_find, NULL, NULL},
+    {smr_cloud_tasks, smr_cloud_measure, smr_places_abreast, smr_cloud_take},
+    {smr_profiles_tasks, smr_profiles_compare, smr_places_abreast, smr_profiles_take},
+    {smr_vertices_tasks, smr_vertices_measure, smr_in_order, NULL},
+    {smr_triangles_measure_tasks, smr_triangles_measure, smr_places_abreast, smr_triangles_take},
+    {smr_cover_tasks, smr_cover_measure, smr_places_abreast, smr_cover_take},
+    {smr_points_tasks, smr_points_measure, smr_places_abreast, smr_points_take},
+    {smr_observed_tasks, smr_observed_count, smr_in_order, NULL},
+    {smr_observed_tasks, smr_observe, smr_in_order, NULL},
+    {NULL, smr_field_begin, NULL, NULL},
+    {smr_noise_tasks, smr_noise_begin, NULL, NULL},
+    {smr_noise_rings_tasks, smr_noise_rings_add, smr_in_order, NULL},
+    {smr_noise_tasks, smr_noise_add, smr_in_order, NULL},
+    {smr_factor_tasks, smr_factor_rows, smr_in_order, NULL},
+    {smr_round_tasks, smr_round_end, NULL, NULL}, /* back to the factor, several times */
+    {smr_errors_tasks, smr_errors_find, NULL, NULL},
+    {smr_errors_add_tasks, smr_errors_add, smr_in_order, NULL},
+    {moved_tasks, moved_fit, smr_in_order, NULL},
+    {NULL, structure_end, NULL, NULL}, /* back to the first stage for the next structure */
+    {all_tasks, all_fit, smr_in_order, NULL},
+    {all_rest_tasks, all_rest_fit, smr_in_order, NULL},
+    {NULL, finish, NULL, NULL},
+    {copy_tasks, copy_expected, NULL, NULL},
+};
+
+static int is_unchanged(void *job, int enter)
+{
+    const smr_judgement *j = job;
+    return (!enter || smr_inputs_valid(&j->s->forces)) && smr_measure_guard(&j->job, enter);
+}
+
+/* Begins to measure a structure, or all. Errors: E_NULL, E_STATE, E_INPUT. */
+static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float *const mm[3], smr_job *job)
+{
+    smr_judgement *const j = (smr_judgement *)(void *)job;
+    if (s == NULL || job == NULL)
+        return SMR_E_NULL;
+    if (!smr_measurable(s) || !smr_inputs_valid(&s->forces))
+        return SMR_E_STATE;
+    if (structure >= s->shared.n_structures && (structure != SMR_ALL || verdict == NULL))
+        return SMR_E_INPUT;
+    memset(j, 0, sizeof *j);
+    j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
+    j->job.head.guard = is_unchanged;
+    j->s = s;
+    j->asked = structure;
+    j->structure = structure == SMR_ALL ? 0u : structure;
+    j->verdict = verdict;
+    for (uint32_t k = 0; k < 3u && mm != NULL; k++)
+        j->mm[k] = mm[k];
+    next_structure(j);
+    return SMR_OK;
+}
+
+smr_status smr_verdict_begin(smr *s, uint32_t structure, smr_verdict *verdict, smr_job *job)
+{
+    return verdict == NULL ? SMR_E_NULL : begin(s, structure, verdict, NULL, job);
+}
+
+smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm, smr_job *job)
+{
+    float *const to[3] = {mm, across_mm, along_mm};
+    return mm == NULL && across_mm == NULL && along_mm == NULL ? SMR_E_NULL : begin(s, structure, NULL, to, job);
+}
+
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
 {
-    const smr_status status = check(s, verdict);
-    smr_evidence e;
-    if (status != SMR_OK)
-        return status;
-    if (structure != SMR_ALL && structure >= s->shared.n_structures)
-        return SMR_E_INPUT;
-    if (structure == SMR_ALL) {
-        judge_all(s, verdict);
-    } else {
-        gather(s, structure, 1, &e);
-        conclude(s, structure, &e, verdict);
-    }
-    note_recovering(s, verdict);
-    return SMR_OK;
+    smr_job job;
+    SMR_TRY(smr_verdict_begin(s, structure, verdict, &job));
+    return smr_job_step(&job, 0, NULL, 0);
+}
+
+static smr_status get_expected(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm)
+{
+    smr_job job;
+    SMR_TRY(smr_expected_begin(s, structure, mm, across_mm, along_mm, &job));
+    return smr_job_step(&job, 0, NULL, 0);
+}
+
+smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm)
+{
+    return get_expected(s, structure, mm, NULL, NULL);
+}
+
+smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm)
+{
+    return get_expected(s, structure, NULL, across_mm, along_mm);
 }
 
 smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visible)
@@ -177,38 +315,4 @@ smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visi
     for (uint32_t i = 0; i < one->n_vertices; i++)
         visible[i] = (unsigned char)smr_vertex_visible(s, smr_model_position(s->shared.model, one->first_vertex + i));
     return SMR_OK;
-}
-
-/* Copies part k of each vertex' expected errors: 0: total, 1: across, 2: along. */
-static void copy_expected(const smr *s, uint32_t structure, uint32_t k, float *mm)
-{
-    const smr_shape_structure *one = &s->shape.structure[structure];
-    for (uint32_t i = 0; mm != NULL && i < one->n_vertices; i++)
-        mm[i] = smr_vertex_expected(s, smr_model_position(s->shared.model, one->first_vertex + i))[k];
-}
-
-/* Measures a structure's expected errors and copies the requested ones. */
-static smr_status get_expected(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm)
-{
-    const smr_status status = check(s, mm != NULL ? mm : across_mm != NULL ? across_mm : along_mm);
-    smr_evidence e;
-    if (status != SMR_OK)
-        return status;
-    if (structure >= s->shared.n_structures)
-        return SMR_E_INPUT;
-    gather(s, structure, 0, &e);
-    copy_expected(s, structure, 0, mm);
-    copy_expected(s, structure, 1, across_mm);
-    copy_expected(s, structure, 2, along_mm);
-    return SMR_OK;
-}
-
-smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm)
-{
-    return get_expected(s, structure, mm, NULL, NULL);
-}
-
-smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm)
-{
-    return get_expected(s, structure, NULL, across_mm, along_mm);
 }

@@ -1,48 +1,21 @@
-/* verdict_target_measures.c: how a structure lies on its target. On a surface: distances in both directions, integrated
- * over the area. On a cloud: residuals of points, coverage, agreement of normals. In an image: how well intensity
- * profiles match in their places, compared with chance. By landmarks or the caller's goals: residuals.
+/* verdict_target_measures.c: stages that measure how a structure lies on its target. On a surface: distances in both
+ * directions, integrated over the area. On a cloud: residuals of points, coverage, agreement of normals.
  * Bounds: a search for each vertex and triangle of a target surface; two for each point of a cloud and structure that
- * shares it; SMR_LOOKED comparisons in an image; one pass over triangles and vertices.
+ * shares it; SMR_MEASURE_PIECE of them in a task.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "verdict/verdict_measures.h"
 
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
-#define SMR_MEASURE_EDGES 1.0f  /* distance up to which the target is covered, in mean edge lengths of the model */
-#define SMR_MEASURE_TIMES 2.0f  /* distance up to which the target is covered, in mean residuals, if larger */
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
-#define SMR_LOOKED 400u         /* most compared vertices of a structure in an image, evenly spaced */
-
-int smr_vertex_visible(const smr *s, uint32_t v)
-{
-    const smr_surface_goals *g = &s->forces.surface;
-    const uint32_t owner = smr_model_owner(s->shared.model, v);
-    int32_t wins = 0;
-    uint32_t n = 0;
-    if (g->target[owner].surface != NULL && g->visibility != NULL && g->target[owner].n_judged > 0u)
-        return g->visibility[v] > SMR_VISIBLE_ONE / 2u;
-    if (g->target[owner].surface != NULL || !s->forces.image.has_image || !s->forces.image.structure[owner].idle ||
-        smr_field_of_past(&s->forces.occluded))
-        return s->forces.found_last[v] == SMR_FOUND_GOAL;
-    smr_image_compare(&s->forces.image, v, &wins, &n); /* goals are unknown after the search has ended */
-    return wins > 0;
-}
-
-/* Adds a structure's residual to the measures. Returns the distance, mm, up to which the target counts as covered. */
-static float add_residual(const smr *s, smr_mean residual, smr_evidence *e)
-{
-    const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
-    e->residual.sum += residual.sum;
-    e->residual.weight += residual.weight;
-    return smr_max(SMR_MEASURE_EDGES * edge, SMR_MEASURE_TIMES * smr_mean_of(residual, 0.0f));
-}
+#define SMR_MEASURE_PIECE 8u    /* vertices, triangles or points in a task that searches for each of them */
 
 /* Returns the share of a triangle's corners that are visible. */
-static float visible_part(const smr *s, const uint32_t *t)
+static float visible_part(const smr_judgement *j, const uint32_t *t)
 {
-    const int n = smr_vertex_visible(s, t[0]) + smr_vertex_visible(s, t[1]) + smr_vertex_visible(s, t[2]);
-    return (float)n * (1.0f / 3.0f);
+    const unsigned char *visible = smr_judged_visible(j);
+    return (float)(visible[t[0]] + visible[t[1]] + visible[t[2]]) * (1.0f / 3.0f);
 }
 
 /* Returns the centre of a triangle with these corners. */
@@ -67,15 +40,11 @@ static uint32_t closest(const smr *s, const smr_surface *target, const smr_query
 
 /* ---- surfaces ---- */
 
-/* A structure and its target surface without other bodies. */
-typedef struct surface_pair {
-    const smr *s;
-    const smr_shape_structure *one;
-    const smr_surface *target;
-    smr_tree_mask mask; /* triangles of the target that count */
-    float *distance;    /* [n] distance of each vertex to the target surface, mm; SMR_FAR: none */
-    uint32_t *nearest;  /* [n] closest target triangle of each vertex; SMR_NONE: none */
-} surface_pair;
+/* Returns the mask of the target's triangles that count: those of other bodies do not. */
+static smr_tree_mask mask_of(const smr_judgement *j)
+{
+    return (smr_tree_mask){smr_judged_target(j)->work.body, smr_other_bodies(&j->s->forces.surface, j->structure)};
+}
 
 /* Vertices or triangles of the model whose closest points on the target are searched together. */
 typedef struct group {
@@ -86,10 +55,10 @@ typedef struct group {
 
 /* Adds a position of the model to the group, with its normal, a target triangle to try first, and the squared search
  * distance. Returns 1 when the group is full. */
-static int add_query(const surface_pair *p, group *g, uint32_t item, smr_vec at, smr_vec normal, uint32_t warm,
+static int add_query(const smr_judgement *j, group *g, uint32_t item, smr_vec at, smr_vec normal, uint32_t warm,
                      float d2)
 {
-    const smr_vec to = smr_add(at, smr_sub(p->s->shape.origin, p->target->origin));
+    const smr_vec to = smr_add(at, smr_sub(j->s->shape.origin, smr_judged_target(j)->origin));
     g->query[g->n] = (smr_query){to, normal, -2.0f, SMR_MEASURE_NODES, warm};
     g->hit[g->n] = (smr_hit){d2, SMR_NONE, {0, 0, 0}};
     g->item[g->n++] = item;
@@ -97,76 +66,97 @@ static int add_query(const surface_pair *p, group *g, uint32_t item, smr_vec at,
 }
 
 /* Searches the target for a group. */
-static void search_group(const surface_pair *p, group *g)
+static void search_group(const smr_judgement *j, group *g)
 {
-    const int masked = p->mask.use != NULL || p->target->n_fragment > 0u;
+    const smr_tree_mask mask = mask_of(j);
+    const int masked = mask.use != NULL || smr_judged_target(j)->n_fragment > 0u;
     if (g->n > 0u)
-        smr_closest_group(&p->target->tree, masked ? &p->mask : NULL, g->query, g->n, g->hit);
+        smr_closest_group(&smr_judged_target(j)->tree, masked ? &mask : NULL, g->query, g->n, g->hit);
 }
 
-/* Stores the distances of a group of vertices, and empties the group. */
-static void take_distances(const surface_pair *p, group *g)
+/* Stores the distances of a group of vertices. */
+static void take_distances(const smr_judgement *j, group *g)
 {
-    search_group(p, g);
+    search_group(j, g);
     for (uint32_t i = 0; i < g->n; i++) {
-        p->nearest[g->item[i]] = g->hit[i].triangle;
-        p->distance[g->item[i]] = g->hit[i].triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(g->hit[i].d2);
+        smr_judged_nearest(j)[g->item[i]] = g->hit[i].triangle;
+        smr_judged_distance(j)[g->item[i]] = g->hit[i].triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(g->hit[i].d2);
     }
-    g->n = 0;
 }
 
-/* Finds the distance of each vertex to the target surface, mm. Returns the mean over visible vertices. */
-static smr_mean find_distances(const surface_pair *p)
+uint32_t smr_distances_tasks(const void *job)
 {
-    const smr *s = p->s;
-    const uint32_t structure = (uint32_t)(p->one - s->shape.structure);
-    smr_mean residual = {0, 0};
+    const smr_judgement *j = job;
+    return j->by == SMR_BY_SURFACE ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_GROUP_POINTS) : 0u;
+}
+
+/* Finds the distances of a group of vertices. */
+void smr_distances_find(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_judgement *j = job;
+    const smr *s = j->s;
+    const smr_piece piece = smr_piece_of(task, SMR_GROUP_POINTS, smr_judged(j)->n_vertices);
     group g = {.n = 0};
-    for (uint32_t v = 0; v < s->shared.n; v++) /* in stored order, in which neighbours are near each other */
-        if (smr_model_owner(s->shared.model, v) == structure &&
-            add_query(p, &g, v, smr_get3(s->shape.x, v), smr_get3(s->shape.normal, v), s->forces.surface.warm[v],
-                      SMR_FAR))
-            take_distances(p, &g);
-    take_distances(p, &g);
-    for (uint32_t i = 0; i < p->one->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->shared.model, p->one->first_vertex + i);
-        if (smr_vertex_visible(s, v) && p->distance[v] < SMR_FAR)
-            smr_mean_add(&residual, p->distance[v], 1.0f);
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
+        (void)add_query(j, &g, v, smr_get3(s->shape.x, v), smr_get3(s->shape.normal, v), s->forces.surface.warm[v],
+                        SMR_FAR);
     }
-    return residual;
+    take_distances(j, &g);
 }
 
 /* Adds the agreement of normals of a group of triangles, and empties the group. */
-static void add_agreement(const surface_pair *p, group *g, smr_evidence *e)
+static void add_agreement(const smr_judgement *j, group *g, smr_mean *agree)
 {
-    search_group(p, g);
+    search_group(j, g);
     for (uint32_t i = 0; i < g->n; i++) {
         if (g->hit[i].triangle == SMR_NONE)
             continue;
-        const smr_vec normal = g->query[i].normal, other = smr_get3(p->target->tree.normal, g->hit[i].triangle);
+        const smr_vec normal = g->query[i].normal,
+                      other = smr_get3(smr_judged_target(j)->tree.normal, g->hit[i].triangle);
         const float area = smr_length(normal);
-        smr_mean_add(&e->agree, smr_dot(other, normal) > SMR_MEASURE_AGREE * area, area);
+        smr_mean_add(agree, smr_dot(other, normal) > SMR_MEASURE_AGREE * area, area);
     }
     g->n = 0;
 }
 
-/* Adds the visible share of the structure's area, and agreement of normals where the structure is near the target. */
-static void add_model(const surface_pair *p, float near, smr_evidence *e)
+uint32_t smr_triangles_measure_tasks(const void *job)
 {
-    const uint32_t *const triangle = p->one->tree.triangle;
+    const smr_judgement *j = job;
+    return j->verdict != NULL && smr_judged_target(j) != NULL
+               ? smr_ceil_div(smr_judged(j)->tree.n_triangles, SMR_MEASURE_PIECE)
+               : 0u;
+}
+
+/* Measures the visible share of triangles' area, and, on a surface, the agreement of normals of triangles near it. */
+void smr_triangles_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr_box_tree *f = &smr_judged(j)->tree;
+    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_PIECE, f->n_triangles);
+    const float *distance = smr_judged_distance(j);
+    smr_mean *const place = smr_judge_place(j, task);
     group g = {.n = 0};
-    for (uint32_t k = 0; k < p->one->tree.n_triangles; k++) {
-        const uint32_t *t = triangle + 3u * (size_t)k;
-        const smr_corner_values corner = smr_corners_of(p->s->shape.x, t);
+    for (uint32_t k = piece.first; k < piece.last; k++) {
+        const uint32_t *t = f->triangle + 3u * (size_t)k;
+        const smr_corner_values corner = smr_corners_of(j->s->shape.x, t);
         const smr_vec normal = smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f);
         const float area = smr_length(normal);
-        const float nearest = smr_min(smr_min(p->distance[t[0]], p->distance[t[1]]), p->distance[t[2]]);
-        smr_mean_add(&e->visible, visible_part(p->s, t), area);
-        if (!(nearest > near) && area > 0.0f &&
-            add_query(p, &g, k, centre_of(corner), normal, p->nearest[t[0]], 4.0f * near * near))
-            add_agreement(p, &g, e);
+        smr_mean_add(&place[0], visible_part(j, t), area);
+        if (j->by != SMR_BY_SURFACE || !(area > 0.0f) ||
+            smr_min(smr_min(distance[t[0]], distance[t[1]]), distance[t[2]]) > j->near)
+            continue;
+        if (add_query(j, &g, k, centre_of(corner), normal, smr_judged_nearest(j)[t[0]], 4.0f * j->near * j->near))
+            add_agreement(j, &g, &place[1]);
     }
-    add_agreement(p, &g, e);
+    add_agreement(j, &g, &place[1]);
+}
+
+void smr_triangles_take(void *job, uint32_t first, uint32_t last)
+{
+    smr_judgement *j = job;
+    smr_judge_take(j, first, last, 0, &j->e.visible);
+    smr_judge_take(j, first, last, 1, &j->e.agree);
 }
 
 /* The last position of the target whose distance to the model was measured. */
@@ -176,63 +166,74 @@ typedef struct measured {
     uint32_t structure, triangle; /* that triangle, if near */
 } measured;
 
-/* Returns 1 when position c of the target lies within `near` mm of the structures that share the target: by its
- * distance to the last position, by the triangle found there, or by a search. */
-static int is_covered(const surface_pair *p, smr_vec c, float near, measured *last)
+/* Returns 1 when position c of the target lies within j->near of the structures that share the target: by its distance
+ * to the last position, by the triangle found there, or by a search. */
+static int is_covered(const smr_judgement *j, smr_vec c, measured *last)
 {
     smr_hit hit;
+    const float near = j->near;
     if ((last->mm + smr_length(smr_sub(c, last->at))) * SMR_SURELY <= near)
         return 1;
     const float before = last->mm;
     last->at = c;
     if (before < SMR_FAR) {
-        const uint32_t *t = p->s->shape.structure[last->structure].tree.triangle + 3u * (size_t)last->triangle;
-        const smr_corner_values corner = smr_corners_of(p->s->shape.x, t);
+        const uint32_t *t = j->s->shape.structure[last->structure].tree.triangle + 3u * (size_t)last->triangle;
+        const smr_corner_values corner = smr_corners_of(j->s->shape.x, t);
         last->mm = SMR_SQRT(smr_triangle_closest(c, corner.a, corner.b, corner.c, hit.weight));
         if (last->mm <= near)
             return 1;
     }
     const smr_query q = {c, smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
-    last->structure = closest(p->s, p->target, &q, SMR_SURELY * near * near, &hit);
+    last->structure = closest(j->s, smr_judged_target(j), &q, SMR_SURELY * near * near, &hit);
     last->triangle = hit.triangle;
     last->mm = last->structure == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
     return last->mm <= near;
 }
 
-/* Adds the coverage of the target surface by the structures that share the target. */
-static void add_target(const surface_pair *p, float near, smr_evidence *e)
+uint32_t smr_cover_tasks(const void *job)
 {
-    const smr_vec shift = smr_sub(p->target->origin, p->s->shape.origin);
-    const smr_query any = {shift, smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
+    const smr_judgement *j = job;
+    return j->verdict != NULL && j->by == SMR_BY_SURFACE && j->s->shape.node != NULL
+               ? smr_ceil_div(smr_judged_target(j)->tree.n_triangles, SMR_MEASURE_PIECE)
+               : 0u;
+}
+
+/* Returns 1 when a structure that shares the target has triangles. */
+static int shares_triangles(const smr_judgement *j)
+{
+    for (uint32_t i = 0; i < j->s->shared.n_structures; i++)
+        if (j->s->forces.surface.target[i].surface == smr_judged_target(j) &&
+            j->s->shape.structure[i].tree.n_triangles > 0u)
+            return 1;
+    return 0;
+}
+
+/* Measures the coverage of target triangles by the structures that share the target. */
+void smr_cover_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr_surface *target = smr_judged_target(j);
+    const smr_tree_mask mask = mask_of(j);
+    const smr_vec shift = smr_sub(target->origin, j->s->shape.origin);
+    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_PIECE, target->tree.n_triangles);
+    smr_mean *const place = smr_judge_place(j, task);
+    const int is_model = shares_triangles(j);
     measured last = {.mm = SMR_FAR};
-    smr_hit hit;
-    const int is_model = closest(p->s, p->target, &any, SMR_FAR, &hit) != SMR_NONE; /* 0: no structure has triangles */
-    for (uint32_t k = 0; k < p->target->tree.n_triangles; k++) {
-        const smr_corner_values corner = smr_corners_of(p->target->xyz, p->target->triangle + 3u * (size_t)k);
+    for (uint32_t k = piece.first; k < piece.last; k++) {
+        const smr_corner_values corner = smr_corners_of(target->xyz, target->triangle + 3u * (size_t)k);
         const float area = smr_length(smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f));
-        const int other = smr_tree_left_out(&p->mask, k);
-        smr_mean_add(&e->others, other ? 1.0f : 0.0f, area);
-        if (other || !is_model)
-            continue;
-        smr_mean_add(&e->covered, (float)is_covered(p, smr_add(centre_of(corner), shift), near, &last), area);
+        const int other = smr_tree_left_out(&mask, k);
+        smr_mean_add(&place[0], other ? 1.0f : 0.0f, area);
+        if (!other && is_model)
+            smr_mean_add(&place[1], (float)is_covered(j, smr_add(centre_of(corner), shift), &last), area);
     }
 }
 
-static void measure_surface(const smr *s, uint32_t structure, int all, smr_evidence *e)
+void smr_cover_take(void *job, uint32_t first, uint32_t last)
 {
-    const smr_surface *target = s->forces.surface.target[structure].surface;
-    const surface_pair p = {.s = s,
-                            .one = &s->shape.structure[structure],
-                            .target = target,
-                            .mask = {target->work.body, smr_other_bodies(&s->forces.surface, structure)},
-                            .distance = (float *)s->overlay.record,
-                            .nearest = s->overlay.record + s->shared.n};
-    const float near = add_residual(s, find_distances(&p), e);
-    if (!all)
-        return;
-    add_model(&p, near, e);
-    if (s->shape.node != NULL)
-        add_target(&p, near, e);
+    smr_judgement *j = job;
+    smr_judge_take(j, first, last, 0, &j->e.others);
+    smr_judge_take(j, first, last, 1, &j->e.covered);
 }
 
 /* ---- clouds of points ---- */
@@ -252,124 +253,68 @@ static int is_stray(const smr *s, uint32_t structure, uint32_t j, float d2)
     return !(smr_outlier_weight(g, smr_goal_of(g, structure), j, d2) > 0.0f);
 }
 
-/* Adds outliers of the whole cloud, coverage of its other points by all structures, and agreement of normals on this
- * structure. */
-static void add_points(const smr *s, uint32_t structure, const smr_surface *cloud, float near, smr_evidence *e)
+uint32_t smr_cloud_tasks(const void *job)
 {
+    const smr_judgement *j = job;
+    return j->by == SMR_BY_CLOUD ? smr_ceil_div(smr_judged_target(j)->n_vertices, SMR_MEASURE_PIECE) : 0u;
+}
+
+/* Measures the distance of points that belong to the structure. */
+void smr_cloud_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr_surface *cloud = smr_judged_target(j);
+    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_PIECE, cloud->n_vertices);
+    smr_mean *const place = smr_judge_place(j, task);
     smr_hit hit;
-    for (uint32_t j = 0; j < cloud->n_vertices; j++) {
-        const uint32_t on = closest_to_point(s, cloud, j, &hit);
-        const smr_vec n = smr_get3(cloud->normal, j);
+    for (uint32_t k = piece.first; k < piece.last; k++)
+        if (closest_to_point(j->s, cloud, k, &hit) == j->structure && !is_stray(j->s, j->structure, k, hit.d2))
+            smr_mean_add(&place[0], SMR_SQRT(hit.d2), cloud->area[k]);
+}
+
+void smr_cloud_take(void *job, uint32_t first, uint32_t last)
+{
+    smr_judgement *j = job;
+    smr_judge_take(j, first, last, 0, &j->residual);
+}
+
+uint32_t smr_points_tasks(const void *job)
+{
+    return ((const smr_judgement *)job)->verdict != NULL ? smr_cloud_tasks(job) : 0u;
+}
+
+/* Measures outliers of the whole cloud, coverage of its other points by all structures, and agreement of normals on
+ * this structure. */
+void smr_points_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr *s = j->s;
+    const smr_surface *cloud = smr_judged_target(j);
+    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_PIECE, cloud->n_vertices);
+    const float near2 = j->near * j->near;
+    smr_mean *const place = smr_judge_place(j, task);
+    smr_hit hit;
+    for (uint32_t k = piece.first; k < piece.last; k++) {
+        const uint32_t on = closest_to_point(s, cloud, k, &hit);
+        const smr_vec n = smr_get3(cloud->normal, k);
         if (on == SMR_NONE)
             continue;
-        const int stray = is_stray(s, structure, j, hit.d2);
-        smr_mean_add(&e->strays, stray ? 1.0f : 0.0f, cloud->area[j]);
+        const int stray = is_stray(s, j->structure, k, hit.d2);
+        smr_mean_add(&place[0], stray ? 1.0f : 0.0f, cloud->area[k]);
         if (stray)
             continue;
-        smr_mean_add(&e->covered, hit.d2 <= near * near ? 1.0f : 0.0f, cloud->area[j]);
-        if (on != structure || hit.d2 > near * near || !(smr_dot(n, n) > 0.5f))
+        smr_mean_add(&place[1], hit.d2 <= near2 ? 1.0f : 0.0f, cloud->area[k]);
+        if (on != j->structure || hit.d2 > near2 || !(smr_dot(n, n) > 0.5f))
             continue;
         const smr_vec normal = smr_get3(s->shape.structure[on].tree.normal, hit.triangle);
-        smr_mean_add(&e->agree, smr_dot(n, normal) > SMR_MEASURE_AGREE ? 1.0f : 0.0f, cloud->area[j]);
+        smr_mean_add(&place[2], smr_dot(n, normal) > SMR_MEASURE_AGREE ? 1.0f : 0.0f, cloud->area[k]);
     }
 }
 
-static void measure_points(const smr *s, uint32_t structure, int all, smr_evidence *e)
+void smr_points_take(void *job, uint32_t first, uint32_t last)
 {
-    const smr_surface *cloud = s->forces.surface.target[structure].surface;
-    const smr_box_tree *f = &s->shape.structure[structure].tree;
-    smr_mean residual = {0, 0};
-    smr_hit hit;
-    for (uint32_t j = 0; j < cloud->n_vertices; j++)
-        if (closest_to_point(s, cloud, j, &hit) == structure && !is_stray(s, structure, j, hit.d2))
-            smr_mean_add(&residual, SMR_SQRT(hit.d2), cloud->area[j]);
-    const float near = add_residual(s, residual, e);
-    if (!all)
-        return;
-    for (uint32_t k = 0; k < f->n_triangles; k++) {
-        const uint32_t *t = f->triangle + 3u * (size_t)k;
-        smr_mean_add(&e->visible, visible_part(s, t), 0.5f * smr_length(smr_corners_cross(s->shape.x, t)));
-    }
-    add_points(s, structure, cloud, near, e);
-}
-
-/* ---- images, landmarks and the caller's goals ---- */
-
-static void measure_image(const smr *s, uint32_t structure, smr_evidence *e)
-{
-    const smr_shape_structure *one = &s->shape.structure[structure];
-    const uint32_t looked = smr_min_u32(one->n_vertices, SMR_LOOKED);
-    uint32_t shown = 0;
-    for (uint32_t i = 0; i < one->n_vertices; i++)
-        shown +=
-            (uint32_t)smr_image_shows(&s->forces.image, smr_model_position(s->shared.model, one->first_vertex + i));
-    for (uint32_t k = 0; k < looked && !smr_field_of_past(&s->forces.occluded); k++) {
-        const uint32_t i = (uint32_t)((uint64_t)k * one->n_vertices / looked);
-        int32_t wins;
-        uint32_t n;
-        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        smr_image_compare(&s->forces.image, v, &wins, &n);
-        if (n > 0u)
-            smr_mean_add(&e->similarity, (float)wins / (float)n, (float)n);
-    }
-    if (!(e->similarity.weight > 0.0f) && shown > 0u && !smr_field_of_past(&s->forces.occluded))
-        smr_mean_add(&e->similarity, 0.0f, 1.0f); /* without a comparison the similarity counts as chance */
-    e->n_invisible = one->n_vertices - shown;
-    const float matched = smr_forces_matched(&s->forces, structure);
-    if (matched >= 0.0f)
-        smr_mean_add(&e->goals, matched, (float)shown);
-    if (s->forces.surface.target[structure].measured)
-        smr_mean_add(&e->visible, smr_max(matched, 0.0f) * ((float)shown / (float)one->n_vertices),
-                     (float)one->n_vertices);
-    for (uint32_t i = 0; i < one->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        if (s->forces.found_last[v] == SMR_FOUND_GOAL)
-            smr_mean_add(&e->residual, s->forces.residual[v], 1.0f);
-    }
-}
-
-static void measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e)
-{
-    const smr_landmark_goals *g = &s->forces.landmarks;
-    const smr_shape_structure *one = &s->shape.structure[structure];
-    uint32_t own = 0, visible = 0;
-    for (uint32_t k = 0; k < g->n; k++) {
-        if (smr_model_owner(s->shared.model, g->landmark[k].corner[0]) != structure)
-            continue;
-        const smr_vec foot = smr_landmark_foot(g, k, s->shape.x);
-        smr_mean_add(&e->residual, smr_length(smr_sub(smr_landmark_goal(g, k), foot)), 1.0f);
-        own++;
-    }
-    if (own == 0u)
-        return;
-    for (uint32_t i = 0; i < one->n_vertices; i++)
-        visible += (uint32_t)smr_vertex_visible(s, smr_model_position(s->shared.model, one->first_vertex + i));
-    smr_mean_add(&e->visible, (float)visible / (float)one->n_vertices, (float)one->n_vertices);
-}
-
-static void measure_caller(const smr *s, uint32_t structure, smr_evidence *e)
-{
-    const smr_shape_structure *one = &s->shape.structure[structure];
-    for (uint32_t i = 0; i < one->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        const int visible = smr_vertex_visible(s, v);
-        smr_mean_add(&e->visible, (float)visible, 1.0f);
-        if (visible)
-            smr_mean_add(&e->residual, s->forces.residual[v], 1.0f);
-    }
-}
-
-void smr_measure_target(const smr *s, uint32_t structure, int all, smr_evidence *e)
-{
-    const smr_surface *target = s->forces.surface.target[structure].surface;
-    if (target != NULL && smr_is_cloud(target))
-        measure_points(s, structure, all, e);
-    else if (target != NULL)
-        measure_surface(s, structure, all, e);
-    else if (smr_image_on(&s->forces.image))
-        measure_image(s, structure, e);
-    else if (smr_follows_landmarks(s, structure))
-        measure_landmarks(s, structure, e);
-    else if (smr_caller_has_goals(&s->forces.caller, structure))
-        measure_caller(s, structure, e);
+    smr_judgement *j = job;
+    smr_judge_take(j, first, last, 0, &j->e.strays);
+    smr_judge_take(j, first, last, 1, &j->e.covered);
+    smr_judge_take(j, first, last, 2, &j->e.agree);
 }

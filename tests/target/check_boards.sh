@@ -4,7 +4,7 @@
 # usage: check_boards.sh [BOARD [PROGRAM [TICKS]]]
 # golden: this machine's bits, and the core calls nothing foreign there either. target_budget: ticks with random budgets, TICKS of
 # them in ten cases. target_interrupt: a registration in a timer's interrupt; on the M7 two runs are the same. target_track: a
-# target that moves, its surfaces and ticks within budgets.
+# target that moves, its surfaces and ticks within budgets. target_jobs: the longest pieces of calls in pieces.
 set -u
 . tests/checks.inc
 . tests/target/board.sh
@@ -23,6 +23,6 @@ run() { # board, program, ticks
     esac
 }
 for board_asked in ${1:-m7 m55}; do
-    for program in ${2:-golden target_budget target_interrupt target_track}; do run "$board_asked" "$program" "${3:-500}"; done
+    for program in ${2:-golden target_budget target_interrupt target_track target_jobs}; do run "$board_asked" "$program" "${3:-500}"; done
 done
 finish

@@ -137,6 +137,16 @@ static int measure(measured *m, const smr_port *port)
     return result;
 }
 
+static int measure_contact(measured *m, const smr_port *port)
+{
+    smr_job job;
+    if (m->surface[0] == NULL || m->surface[1] == NULL)
+        return 0;
+    if (smr_surface_contact_begin(m->surface[0], m->surface[1], CONTACT_MM, &m->contact, &job) != SMR_OK)
+        return -1;
+    return smr_job_step(&job, 0, port, 0) == SMR_OK ? 0 : -1;
+}
+
 static int evaluate(measured *m, const smr_port *port)
 {
     const smr_mesh a = host_mesh_view(&m->load[0].mesh);
@@ -148,10 +158,7 @@ static int evaluate(measured *m, const smr_port *port)
         if (m->surface[i] == NULL)
             return -1;
     }
-    if (measure(m, port) != 0)
-        return -1;
-    if (m->surface[0] != NULL && m->surface[1] != NULL &&
-        smr_surface_contact(m->surface[0], m->surface[1], CONTACT_MM, &m->contact) != SMR_OK)
+    if (measure(m, port) != 0 || measure_contact(m, port) != 0)
         return -1;
     return a.n_triangles == 0 ? 0 : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds);
 }

@@ -192,6 +192,7 @@ static smr_status align_surfaces(host_job *job, const smr_surface *model, const 
     smr_align_config config = smr_align_config_default();
     size_t bytes = 0;
     config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
+    config.port = &job->port.port;
     smr_status status = smr_align_bytes(&config, &bytes);
     void *scratch = host_alloc(bytes);
     if (scratch == NULL)

@@ -113,6 +113,31 @@ typedef struct smr_side {
  * normals. Returns 0, with *side unchanged, when there is no such triangle. */
 int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side);
 
+/* ---- surface_line.c ---- */
+
+#define SMR_CROSSINGS 64u /* most crossings of a line with one surface */
+
+/* A crossing of a line with a surface. */
+typedef struct smr_crossing {
+    float at; /* the crossing's position on its line, mm */
+    int turn; /* 1: into surface a; -1: out of a; 2: into b; -2: out of b */
+} smr_crossing;
+
+typedef struct smr_line {
+    uint32_t u, v, w;                      /* the two axes across the line, and the axis along it */
+    float pu, pv;                          /* coordinates of the line on the axes u and v, mm */
+    uint32_t n;                            /* number of crossings found */
+    smr_crossing list[2u * SMR_CROSSINGS]; /* [n] crossings, ascending */
+} smr_line;
+
+static inline float smr_axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis == 1u ? p.y : p.z; }
+/* Adds all crossings of the line with surface s, moved by `shift`, mm, to the line's list. weight: 1 for a, 2 for b. */
+void smr_line_cross(const smr_surface *s, smr_line *l, smr_vec shift, int weight);
+/* Returns the length, mm, of the line inside both surfaces. */
+float smr_line_inside(const smr_line *l);
+/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0, also near folds. */
+int smr_surface_inside(const smr_surface *s, smr_vec p);
+
 /* A cloud of points in the caller's memory. Points attract the model as target vertices do, with weights as areas. */
 struct smr_points {
     uint32_t magic;      /* SMR_POINTS_MAGIC */

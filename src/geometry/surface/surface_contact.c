@@ -1,125 +1,91 @@
 /* surface_contact.c: overlap of two closed surfaces: deepest penetration, overlapping volume, area in contact. Depth
  * and area are measured at the vertices of both surfaces and at three points of each triangle that can reach the
- * other surface. The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact.
- * Bounds: four searches a triangle, one a vertex; SMR_LINES^2 lines of two passes through a tree.
+ * other surface. Between two places the distance to a surface changes by their distance at most, which saves searches.
+ * The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact. A job (job.h).
+ * Bounds: four searches a triangle and one a leaf, one a vertex; SMR_LINES^2 lines of two passes through a tree.
  * SPDX-License-Identifier: MIT */
+#include "base/job.h"
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_DEPTH_MOST 100.0f /* mm: greater depths count as this depth */
-#define SMR_LINES 64u         /* largest number of lines of the volume's grid along each of two axes */
-#define SMR_LINE_MM 0.25f     /* smallest distance between two lines, mm */
-#define SMR_CROSSINGS 64u     /* most crossings of a line with one surface */
+#define SMR_DEPTH_MOST 100.0f  /* mm: greater depths count as this depth */
+#define SMR_LINES 64u          /* largest number of lines of the volume's grid along each of two axes */
+#define SMR_LINE_MM 0.25f      /* smallest distance between two lines, mm */
+#define SMR_LINES_TASK 3u      /* lines in a task */
+#define SMR_VERTICES_TASK 8u   /* vertices in a task */
+#define SMR_CONTACT_LEAVES 24u /* leaves that are tested before the triangles of the near ones are measured */
+#define SMR_CONTACT_PLACES 16u /* tasks whose results wait to be added */
+#define SMR_ROUNDED 1.001f     /* factor on lengths that must not be too short by rounding */
+#define SMR_ROUNDED_MM 1.0e-4f /* added to such lengths, mm */
+
+/* What tasks have found of surface a in surface b. */
+typedef struct found {
+    smr_box near;  /* box around all triangles of a that can reach into b, mm from a's origin */
+    float deepest; /* largest depth in b, mm */
+    float sum;     /* area in contact, mm^2; of lines: their length inside both surfaces, mm */
+} found;
 
 /* Depth and contact area of surface a in surface b, measured at a's triangles and vertices. */
 typedef struct sweep {
     const smr_surface *a, *b;
-    smr_vec shift;       /* vector from a's origin to b's, mm */
-    smr_box near;        /* box around all triangles of a that can reach into b, mm from a's origin */
-    smr_box around;      /* box around b, mm from b's origin */
-    float within;        /* largest distance that counts as contact, mm */
-    float deepest, area; /* largest depth in b, mm; area in contact, mm^2 */
+    smr_vec shift;  /* vector from a's origin to b's, mm */
+    smr_box around; /* box around b, mm from b's origin */
+    float within;   /* largest distance that counts as contact, mm */
+    found found;
 } sweep;
 
-/* A crossing of a line with a surface. */
-typedef struct crossing {
-    float at; /* the crossing's position on its line, mm */
-    int turn; /* 1: into surface a; -1: out of a; 2: into b; -2: out of b */
-} crossing;
+/* A place whose signed distance to b is known. */
+typedef struct place {
+    smr_vec at;    /* mm from b's origin */
+    float side;    /* signed distance, mm; SMR_FAR: unknown */
+    uint32_t warm; /* closest triangle of b, to be tried first at the next place; SMR_NONE: none */
+} place;
 
-typedef struct line {
-    uint32_t u, v, w;                  /* the two axes across the line, and the axis along it */
-    float pu, pv;                      /* coordinates of the line on the axes u and v, mm */
-    uint32_t n;                        /* number of crossings found */
-    crossing list[2u * SMR_CROSSINGS]; /* [n] crossings, ascending */
-} line;
-
-static float axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis == 1u ? p.y : p.z; }
-
-/* Returns the side, 1 or -1, on which the line passes the edge from vertex i to k; the edge from k to i has the other
- * side. So a line that meets a shared edge crosses exactly one of the two triangles. */
-static int beside(const smr_surface *s, const line *l, smr_vec shift, uint32_t i, uint32_t k)
+/* Finds the signed distance of p (mm from b's origin) to b. Returns 0, with p unknown, where p is farther away than
+ * `most`, or deeper than `deep`. */
+static int find_side(const sweep *s, smr_vec p, float most, float deep, place *to)
 {
-    const uint32_t lo = smr_min_u32(i, k), hi = smr_max_u32(i, k);
-    const smr_vec a = smr_add(smr_get3(s->xyz, lo), shift), b = smr_add(smr_get3(s->xyz, hi), shift);
-    const float au = axis_of(a, l->u) - l->pu, av = axis_of(a, l->v) - l->pv;
-    const float bu = axis_of(b, l->u) - l->pu, bv = axis_of(b, l->v) - l->pv;
-    return (au * bv - av * bu >= 0.0f) == (i == lo) ? 1 : -1;
-}
-
-static void add_crossing(line *l, float at, int turn)
-{
-    if (l->n == 2u * SMR_CROSSINGS)
-        return;
-    uint32_t i = l->n++;
-    for (; i > 0u && l->list[i - 1u].at > at; i--)
-        l->list[i] = l->list[i - 1u];
-    l->list[i] = (crossing){at, turn};
-}
-
-static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_t k, int weight)
-{
-    const uint32_t *t = s->triangle + 3u * (size_t)k;
-    const int turn = beside(s, l, shift, t[0], t[1]);
-    if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
-        return;
-    const smr_corner_values at_origin = smr_corners_of(s->xyz, t);
-    const smr_vec a = smr_add(at_origin.a, shift), b = smr_add(at_origin.b, shift), c = smr_add(at_origin.c, shift);
-    const smr_vec n = smr_triangle_cross(a, b, c);
-    const float along = axis_of(n, l->w);
-    const float low = axis_of(smr_low(a, smr_low(b, c)), l->w), high = axis_of(smr_high(a, smr_high(b, c)), l->w);
-    const float rise = axis_of(n, l->u) * (axis_of(a, l->u) - l->pu) + axis_of(n, l->v) * (axis_of(a, l->v) - l->pv);
-    const float at = smr_abs(along) > 0.0f ? axis_of(a, l->w) + rise / along : 0.5f * (low + high);
-    add_crossing(l, smr_clamp(at, low, high), turn > 0 ? -weight : weight);
-}
-
-/* Adds all crossings of the line with surface s, moved by `shift`, mm, to the line's list. weight: 1 for a, 2 for b. */
-static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
-{
-    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
-    const smr_box_tree *f = &s->tree;
-    const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
-    uint32_t top = 1;
-    stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
-    while (top > 0u) {
-        const uint32_t level = stack[--top].level, index = stack[top].index;
-        const smr_node *node = &f->node[f->level[level] + index];
-        for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-            const uint32_t child = index * SMR_TREE_WIDTH + k;
-            if (!(node->lo[l->u][k] <= u && node->lo[l->v][k] <= v && node->hi[l->u][k] >= u && node->hi[l->v][k] >= v))
-                continue;
-            if (level > 0u)
-                stack[top++] = (smr_visit){0.0f, level - 1u, child};
-            else if (child < f->n_triangles)
-                cross_triangle(s, l, shift, child, weight);
-        }
-    }
-}
-
-/* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0, also near folds. */
-static int is_inside(const smr_surface *s, smr_vec p)
-{
-    line l = {1, 2, 0, p.y, p.z, 0, {{0, 0}}};
-    int winding = 0;
-    cross(s, &l, smr_v(0, 0, 0), 1);
-    for (uint32_t i = 0; i < l.n && l.list[i].at < p.x; i++)
-        winding += l.list[i].turn;
-    return winding != 0;
-}
-
-/* Returns the signed distance, mm, of p (mm from b's origin) to b; `most` where p is farther away. */
-static float side_of(const sweep *s, smr_vec p, float most)
-{
-    const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+    const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, to->warm};
     smr_side side;
-    const float far = smr_max(most, SMR_DEPTH_MOST);
-    if (!smr_box_reaches(&s->around, p, most) || !smr_signed_distance(&s->b->tree, s->b->normal, &q, far, &side))
-        return most;
-    return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
+    to->at = p;
+    to->side = SMR_FAR;
+    if (!smr_box_reaches(&s->around, p, most) ||
+        !smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), &side))
+        return 0;
+    to->side = side.mm < 0.0f && !smr_surface_inside(s->b, p) ? -side.mm : side.mm;
+    to->warm = side.triangle;
+    return 1;
 }
 
-/* Adds depth and contact area at three points of triangle k of a to the sweep, unless the triangle is far from b. */
-static void sample_triangle(sweep *s, uint32_t k)
+/* Returns the distance between two places, rounded up. */
+static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_ROUNDED + SMR_ROUNDED_MM; }
+
+/* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper
+ * than the deepest place so far. Returns 0 when that is not known. */
+static int adds_surely(const sweep *s, const place *at, float way, found *f, float area)
+{
+    if (!(smr_abs(at->side) > way && at->side + way <= s->within &&
+          way - at->side <= smr_max(f->deepest, s->found.deepest)))
+        return 0;
+    f->sum += area;
+    return 1;
+}
+
+/* Adds a point of a triangle with a third of its area, mm^2. middle: the triangle's, whose side is known. */
+static void add_point(const sweep *s, smr_vec p, float third, const place *middle, found *f)
+{
+    const float way = apart(p, middle->at);
+    place at = *middle;
+    if (middle->side - way > s->within || adds_surely(s, middle, way, f, third) ||
+        !find_side(s, p, way + smr_abs(middle->side), SMR_DEPTH_MOST, &at))
+        return;
+    f->deepest = smr_max(f->deepest, -at.side);
+    f->sum += at.side <= s->within ? third : 0.0f;
+}
+
+/* Adds depth and contact area at three points of triangle k of a, unless the triangle is far from b. last: a place
+ * whose side is known or not; becomes the triangle's middle after a search. */
+static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;
     smr_vec corner[3];
@@ -131,98 +97,307 @@ static void sample_triangle(sweep *s, uint32_t k)
         const smr_vec r = smr_sub(corner[i], middle);
         round2 = smr_max(round2, smr_dot(r, r));
     }
-    const float round = SMR_SQRT(round2) + s->within, side = side_of(s, middle, round);
-    if (!(side < round))
+    const float size = SMR_SQRT(round2), round = size + s->within, moved = apart(middle, last->at);
+    if (last->side < SMR_FAR && last->side - moved >= round)
         return;
     const float third = smr_length(smr_triangle_cross(corner[0], corner[1], corner[2])) * (1.0f / 6.0f);
-    for (uint32_t i = 0; i < 3u; i++) {
-        const float at = side_of(s, smr_scale(smr_add(corner[i], middle), 0.5f), round);
-        s->deepest = smr_max(s->deepest, -at);
-        s->area += at <= s->within ? third : 0.0f;
-        smr_box_grow(&s->near, smr_add(corner[i], s->shift));
+    if (!adds_surely(s, last, moved + size * SMR_ROUNDED, f, 3.0f * third)) {
+        if (!find_side(s, middle, round, SMR_DEPTH_MOST, last) || !(last->side < round))
+            return;
+        for (uint32_t i = 0; i < 3u; i++)
+            add_point(s, smr_scale(smr_add(corner[i], middle), 0.5f), third, last, f);
     }
+    for (uint32_t i = 0; i < 3u; i++)
+        smr_box_grow(&f->near, smr_add(corner[i], s->shift));
 }
 
 static const smr_box no_box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
 
-static smr_box used_box(const smr_surface *s)
+/* Returns the box around all triangles below a node, mm from the surface's origin. */
+static smr_box box_of_node(const smr_node *node)
 {
     smr_box box = no_box;
-    for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++)
-        smr_box_grow(&box, smr_get3(s->xyz, s->triangle[i]));
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH && node->lo[0][k] < SMR_FAR; k++) {
+        smr_box_grow(&box, smr_v(node->lo[0][k], node->lo[1][k], node->lo[2][k]));
+        smr_box_grow(&box, smr_v(node->hi[0][k], node->hi[1][k], node->hi[2][k]));
+    }
     return box;
 }
 
-static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
+static smr_box box_of(const smr_surface *s) { return box_of_node(&s->tree.node[s->tree.level[s->tree.n_levels - 1u]]); }
+
+/* Finds the side of the middle of a leaf of a. Returns 0 when the middle is so far outside of b that no triangle of
+ * the leaf can reach b. */
+static int leaf_is_near(const sweep *s, uint32_t leaf, place *middle)
 {
-    sweep s = {a, b, smr_sub(b->origin, a->origin), no_box, used_box(b), within, 0.0f, 0.0f};
-    for (uint32_t k = 0; k < a->tree.n_triangles; k++)
-        sample_triangle(&s, k);
-    for (uint32_t v = 0; v < a->n_vertices; v++) /* skips vertices without triangles: area 0, no normal */
-        if (a->area[v] > 0.0f)
-            s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_get3(a->xyz, v), s.shift), 0.0f));
-    return s;
+    const smr_box box = box_of_node(&s->a->tree.node[leaf]);
+    const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_ROUNDED;
+    const smr_vec at = smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift);
+    middle->warm = SMR_NONE;
+    return find_side(s, at, reach, SMR_DEPTH_MOST + half, middle) && middle->side <= reach;
 }
 
-/* Returns the length, mm, of the line inside both surfaces. */
-static float length_inside(const line *l)
+/* Measures the depth of the vertices first .. last-1 of a that have triangles: those have an area. */
+static void sweep_vertices(const sweep *s, smr_piece piece, found *f)
 {
-    int in_a = 0, in_b = 0;
-    float sum = 0.0f;
-    for (uint32_t i = 0; i + 1u < l->n; i++) {
-        const int turn = l->list[i].turn;
-        in_a += turn == 1 ? 1 : turn == -1 ? -1 : 0;
-        in_b += turn == 2 ? 1 : turn == -2 ? -1 : 0;
-        if (in_a != 0 && in_b != 0)
-            sum += l->list[i + 1u].at - l->list[i].at;
+    place last = {smr_v(0, 0, 0), SMR_FAR, SMR_NONE};
+    for (uint32_t v = piece.first; v < piece.last; v++) {
+        const smr_vec p = smr_sub(smr_get3(s->a->xyz, v), s->shift);
+        const float deepest = smr_max(f->deepest, s->found.deepest);
+        const int known = last.side < SMR_FAR;
+        if (!(s->a->area[v] > 0.0f) || (known && apart(p, last.at) - last.side <= deepest))
+            continue;
+        if (find_side(s, p, 0.0f, SMR_DEPTH_MOST, &last))
+            f->deepest = smr_max(f->deepest, -last.side);
     }
-    return sum;
 }
 
-static float volume_of(const smr_surface *a, const smr_surface *b, smr_vec shift, smr_box box)
+/* A leaf whose triangles may reach the other surface. */
+typedef struct near_leaf {
+    uint32_t leaf; /* number among the leaves of a, then of b; SMR_NONE: far */
+    place middle;
+} near_leaf;
+
+/* A measurement in progress. */
+typedef struct contact {
+    smr_job_head head;
+    sweep sweep[2]; /* of a in b, and of b in a */
+    smr_contact_report *report;
+    uint32_t changes[2];             /* smr_surface.changes at the begin */
+    smr_box box;                     /* box around the overlap, mm from a's origin */
+    uint32_t u, v, w;                /* axes across the lines, and along them */
+    uint32_t n_u, n_v;               /* numbers of lines along the axes u and v */
+    float du, dv;                    /* distances of the lines, mm */
+    float length;                    /* length of all lines inside both surfaces so far, mm */
+    found place[SMR_CONTACT_PLACES]; /* results of tasks */
+    uint32_t leaf, n_near; /* first leaf of a, then of b, that is tested now; number of near ones among those tested */
+    near_leaf near[SMR_CONTACT_LEAVES];
+} contact;
+
+_Static_assert(sizeof(contact) <= SMR_JOB_BYTES, "a measurement in progress lies in the caller's job");
+
+static uint32_t places(const void *job) { return (void)job, SMR_CONTACT_PLACES; }
+
+static found *place_of(contact *c, uint32_t task)
 {
+    found *const f = &c->place[task % SMR_CONTACT_PLACES];
+    *f = (found){no_box, 0.0f, 0.0f};
+    return f;
+}
+
+/* Adds the results of a task to a sweep. */
+static void take(contact *c, uint32_t task, uint32_t i)
+{
+    const found *f = &c->place[task % SMR_CONTACT_PLACES];
+    found *const to = &c->sweep[i].found;
+    to->near = (smr_box){smr_low(to->near.lo, f->near.lo), smr_high(to->near.hi, f->near.hi)};
+    to->deepest = smr_max(to->deepest, f->deepest);
+    to->sum += f->sum;
+}
+
+static uint32_t leaves_of(const contact *c, uint32_t i) { return smr_tree_leaves(&c->sweep[i].a->tree); }
+static uint32_t pieces_of(const contact *c, uint32_t i)
+{
+    return smr_ceil_div(c->sweep[i].a->n_vertices, SMR_VERTICES_TASK);
+}
+
+static uint32_t leaves(const contact *c) { return leaves_of(c, 0) + leaves_of(c, 1); }
+static uint32_t vertex_tasks(const void *job) { return pieces_of(job, 0) + pieces_of(job, 1); }
+
+static uint32_t leaf_tasks(const void *job)
+{
+    const contact *c = job;
+    return smr_min_u32(SMR_CONTACT_LEAVES, leaves(c) - c->leaf);
+}
+
+static void test_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const uint32_t leaf = c->leaf + task, n = leaves_of(c, 0);
+    const int is_near = leaf_is_near(&c->sweep[leaf >= n], leaf < n ? leaf : leaf - n, &c->near[task].middle);
+    c->near[task].leaf = is_near ? leaf : SMR_NONE;
+}
+
+/* Keeps the near leaves, in their order. */
+static void keep_near(void *job, uint32_t first, uint32_t last)
+{
+    contact *c = job;
+    c->n_near = first == 0u ? 0u : c->n_near;
+    for (uint32_t task = first; task < last; task++)
+        if (c->near[task].leaf != SMR_NONE)
+            c->near[c->n_near++] = c->near[task];
+}
+
+static uint32_t triangle_tasks(const void *job) { return ((const contact *)job)->n_near * SMR_TREE_WIDTH; }
+
+static void run_triangle(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const near_leaf *near = &c->near[task / SMR_TREE_WIDTH];
+    const uint32_t n = leaves_of(c, 0), leaf = near->leaf < n ? near->leaf : near->leaf - n;
+    const sweep *s = &c->sweep[near->leaf >= n];
+    const uint32_t k = leaf * SMR_TREE_WIDTH + task % SMR_TREE_WIDTH;
+    place last = near->middle;
+    found *const f = place_of(c, task);
+    if (k < s->a->tree.n_triangles)
+        sample_triangle(s, k, &last, f);
+}
+
+static void take_triangles(void *job, uint32_t first, uint32_t last)
+{
+    contact *c = job;
+    for (uint32_t task = first; task < last; task++)
+        take(c, task, c->near[task / SMR_TREE_WIDTH].leaf >= leaves_of(c, 0));
+}
+
+/* Goes back to the test of the next leaves. */
+static void next_leaves(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    c->leaf += SMR_CONTACT_LEAVES;
+    if (c->leaf < leaves(c))
+        c->head.next_stage = 0;
+}
+
+static void run_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const uint32_t n = pieces_of(c, 0), i = task >= n;
+    sweep_vertices(&c->sweep[i], smr_piece_of(i ? task - n : task, SMR_VERTICES_TASK, c->sweep[i].a->n_vertices),
+                   place_of(c, task));
+}
+
+static void take_vertices(void *job, uint32_t first, uint32_t last)
+{
+    for (uint32_t task = first; task < last; task++)
+        take(job, task, task >= pieces_of(job, 0));
+}
+
+/* Sets the grid of lines through the box around the overlap. */
+static void begin_volume(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const sweep *one = &c->sweep[0], *other = &c->sweep[1];
+    const smr_box all_a = other->around;
+    smr_box box = {smr_low(one->found.near.lo, smr_add(other->found.near.lo, one->shift)),
+                   smr_high(one->found.near.hi, smr_add(other->found.near.hi, one->shift))};
+    box.lo = smr_high(box.lo, smr_high(all_a.lo, smr_add(one->around.lo, one->shift)));
+    box.hi = smr_low(box.hi, smr_low(all_a.hi, smr_add(one->around.hi, one->shift)));
     const smr_vec size = smr_sub(box.hi, box.lo);
-    line l;
     if (!(size.x > 0.0f && size.y > 0.0f && size.z > 0.0f))
-        return 0.0f;
-    l.w = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
-    l.u = (l.w + 1u) % 3u;
-    l.v = (l.w + 2u) % 3u;
-    const float du = smr_max(axis_of(size, l.u) / (float)SMR_LINES, SMR_LINE_MM),
-                dv = smr_max(axis_of(size, l.v) / (float)SMR_LINES, SMR_LINE_MM);
-    float sum = 0.0f;
-    for (uint32_t i = 0; (float)i * du < axis_of(size, l.u); i++)
-        for (uint32_t k = 0; (float)k * dv < axis_of(size, l.v); k++) {
-            l.pu = axis_of(box.lo, l.u) + ((float)i + 0.5f) * du;
-            l.pv = axis_of(box.lo, l.v) + ((float)k + 0.5f) * dv;
-            l.n = 0;
-            cross(a, &l, smr_v(0, 0, 0), 1);
-            cross(b, &l, shift, 2);
-            sum += length_inside(&l);
-        }
-    return sum * du * dv;
+        return;
+    c->box = box;
+    c->w = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+    c->u = (c->w + 1u) % 3u;
+    c->v = (c->w + 2u) % 3u;
+    c->du = smr_max(smr_axis_of(size, c->u) / (float)SMR_LINES, SMR_LINE_MM);
+    c->dv = smr_max(smr_axis_of(size, c->v) / (float)SMR_LINES, SMR_LINE_MM);
+    while ((float)c->n_u * c->du < smr_axis_of(size, c->u))
+        c->n_u++;
+    while ((float)c->n_v * c->dv < smr_axis_of(size, c->v))
+        c->n_v++;
 }
 
-smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report)
+static uint32_t line_tasks(const void *job)
 {
-    if (a == NULL || b == NULL || report == NULL)
+    const contact *c = job;
+    return smr_ceil_div(c->n_u * c->n_v, SMR_LINES_TASK);
+}
+
+static void run_lines(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const smr_piece piece = smr_piece_of(task, SMR_LINES_TASK, c->n_u * c->n_v);
+    smr_line l = {.u = c->u, .v = c->v, .w = c->w};
+    float sum = 0.0f;
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        l.pu = smr_axis_of(c->box.lo, l.u) + ((float)(i / c->n_v) + 0.5f) * c->du;
+        l.pv = smr_axis_of(c->box.lo, l.v) + ((float)(i % c->n_v) + 0.5f) * c->dv;
+        l.n = 0;
+        smr_line_cross(c->sweep[0].a, &l, smr_v(0, 0, 0), 1);
+        smr_line_cross(c->sweep[0].b, &l, c->sweep[0].shift, 2);
+        sum += smr_line_inside(&l);
+    }
+    place_of(c, task)->sum = sum;
+}
+
+static void take_lines(void *job, uint32_t first, uint32_t last)
+{
+    contact *c = job;
+    for (uint32_t task = first; task < last; task++)
+        c->length += c->place[task % SMR_CONTACT_PLACES].sum;
+}
+
+static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const contact *c = job;
+    const found *one = &c->sweep[0].found, *other = &c->sweep[1].found;
+    *c->report = (smr_contact_report){.deepest_mm = smr_max(one->deepest, other->deepest),
+                                      .a_in_b_mm = one->deepest,
+                                      .volume_mm3 = c->length * c->du * c->dv,
+                                      .area_mm2 = 0.5f * (one->sum + other->sum)};
+}
+
+static const smr_stage stages[] = {
+    {leaf_tasks, test_leaf, NULL, keep_near},
+    {triangle_tasks, run_triangle, places, take_triangles},
+    {NULL, next_leaves, NULL, NULL}, /* back to the first stage */
+    {vertex_tasks, run_vertices, places, take_vertices},
+    {NULL, begin_volume, NULL, NULL},
+    {line_tasks, run_lines, places, take_lines},
+    {NULL, finish, NULL, NULL},
+};
+
+#define SMR_CONTACT_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))
+
+/* Returns 1 while both surfaces are as at the begin. */
+static int is_unchanged(void *job, int enter)
+{
+    const contact *c = job;
+    const smr_surface *a = c->sweep[0].a, *b = c->sweep[0].b;
+    return !enter ||
+           (smr_surface_valid(a) && smr_surface_valid(b) && a->changes == c->changes[0] && b->changes == c->changes[1]);
+}
+
+/* Returns 1 when the boxes of two closed surfaces are so near that the surfaces can touch. */
+static int can_touch(const smr_surface *a, const smr_surface *b, const sweep *s)
+{
+    const smr_box one = box_of(a);
+    if (a->open || b->open || a->n_fragment + b->n_fragment > 0u)
+        return 0;
+    const smr_vec nearest = smr_low(smr_high(smr_sub(one.lo, s->shift), s->around.lo), s->around.hi);
+    const smr_box moved = {smr_sub(one.lo, s->shift), smr_sub(one.hi, s->shift)};
+    const float reach = (s->within + SMR_ROUNDED_MM) * SMR_ROUNDED;
+    return smr_box_reaches(&moved, nearest, reach);
+}
+
+smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b, float within_mm,
+                                     smr_contact_report *report, smr_job *job)
+{
+    contact *const c = (contact *)(void *)job;
+    if (a == NULL || b == NULL || report == NULL || job == NULL)
         return SMR_E_NULL;
     if (!smr_surface_valid(a) || !smr_surface_valid(b) || smr_is_cloud(a) || smr_is_cloud(b))
         return SMR_E_STATE;
     if (!(within_mm >= 0.0f && within_mm <= SMR_DEPTH_MOST))
         return SMR_E_INPUT;
-    memset(report, 0, sizeof *report);
-    if (a->open || b->open || a->n_fragment + b->n_fragment > 0u)
-        return SMR_OK;
-    const sweep one = sweep_of(a, b, within_mm), other = sweep_of(b, a, within_mm);
-    const smr_box all_a = used_box(a);
-    smr_box box = {smr_low(one.near.lo, smr_add(other.near.lo, one.shift)),
-                   smr_high(one.near.hi, smr_add(other.near.hi, one.shift))};
-    box.lo = smr_high(box.lo, smr_high(all_a.lo, smr_add(one.around.lo, one.shift)));
-    box.hi = smr_low(box.hi, smr_low(all_a.hi, smr_add(one.around.hi, one.shift)));
-    report->deepest_mm = smr_max(one.deepest, other.deepest);
-    report->a_in_b_mm = one.deepest;
-    report->area_mm2 = 0.5f * (one.area + other.area);
-    report->volume_mm3 = volume_of(a, b, one.shift, box);
+    memset(c, 0, sizeof *c);
+    c->head = smr_job_begin(stages, SMR_CONTACT_STAGES, NULL);
+    c->head.guard = is_unchanged;
+    c->report = report;
+    c->changes[0] = a->changes;
+    c->changes[1] = b->changes;
+    const found none = {no_box, 0.0f, 0.0f};
+    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), box_of(b), within_mm, none};
+    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), box_of(a), within_mm, none};
+    if (!can_touch(a, b, &c->sweep[0]))
+        c->head.stage = SMR_CONTACT_STAGES - 1u; /* all measures are 0 */
     return SMR_OK;
+}
+
+smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report)
+{
+    smr_job job;
+    SMR_TRY(smr_surface_contact_begin(a, b, within_mm, report, &job));
+    return smr_job_step(&job, 0, NULL, 0);
 }

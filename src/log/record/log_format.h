@@ -63,6 +63,7 @@ struct smr_log {
     uint32_t crc, n_ticks; /* CRC-32 of the log up to its last record; number of ticks recorded */
     uint32_t full;         /* 1: a record did not fit, and nothing more is recorded */
     uint32_t fresh;        /* 1: the registration has not changed since smr_init() */
+    uint32_t changes;      /* number of ticks, and of calls that changed an input */
 };
 
 /* Write the configuration, smr_log_config_words() words, and read n_words words of a log of this version. Errors: E_LOG
@@ -102,6 +103,7 @@ typedef struct smr_log_of_tick {
 static inline void smr_log_note(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
 {
     log->fresh = 0;
+    log->changes++;
     if (log->write != NULL)
         log->write(log, kind, number, what, n);
 }

@@ -15,10 +15,6 @@
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 
-/* Types of a step's functions: one returns the number of tasks, one runs a task. stage: the struct of the step. */
-typedef uint32_t smr_count_tasks(const void *stage);
-typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
-
 /* Result of a vertex' search for a goal: no target, or one that does not show the vertex; a goal; no acceptable goal;
  * the image gives no answer. Second list: result of the search in the image alone. */
 enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };

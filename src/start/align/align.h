@@ -3,6 +3,7 @@
 #ifndef SMR_ALIGN_H
 #define SMR_ALIGN_H
 
+#include "base/job.h"
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/surface.h"
 
@@ -100,8 +101,20 @@ static inline uint32_t smr_sample(const smr_align_side *side, uint32_t k, uint32
     return (uint32_t)(((uint64_t)2u * k + 1u) * side->n / (2u * (uint64_t)n));
 }
 
-/* Fills *side: n samples of a surface, its axes, centroid, spread. The caller has placed the arrays of *side. */
-void smr_align_side_make(smr_align_side *side, const smr_surface *surface, uint32_t n);
+/* Sums of the passes over a surface. */
+typedef struct smr_side_work {
+    smr_vec sum;           /* positions from the first one on, mm, by area */
+    float weight, inverse; /* sum of areas, mm^2; 1 / that sum */
+    float c[6];            /* covariance of positions, mm^2 */
+    float skew[2];         /* third moments along two axes */
+    float volume;          /* six times the volume, mm^3 */
+    uint32_t at[2];        /* vertex of the last sample, and number of vertices outside fragments before it */
+} smr_side_work;
+
+/* Tasks, in order, that fill *side: samples of its surface, axes, centroid, spread. The caller has set surface and n,
+ * and placed the arrays. */
+uint32_t smr_align_side_tasks(const smr_align_side *side);
+void smr_align_side_make(smr_align_side *side, smr_side_work *w, uint32_t task);
 
 enum { SMR_MODEL, SMR_TARGET, SMR_SIDES };
 
@@ -109,7 +122,7 @@ enum { SMR_MODEL, SMR_TARGET, SMR_SIDES };
 typedef struct smr_aligner {
     smr_align_side side[SMR_SIDES];
     uint32_t *order; /* [samples] scratch of a quantile: squared distances as integers */
-    uint32_t used;   /* number of samples of each side in the last smr_pairs_find() */
+    uint32_t used;   /* number of samples of each side that have pairs */
     float far2;      /* squared search range, mm^2; also stored for samples without a closest point */
     float limit;     /* distance beyond which a sample does not match, for costs of poses, mm */
 } smr_aligner;
@@ -126,8 +139,9 @@ static inline float smr_cost_of_sides(float a, float b) { return smr_min(a, b) +
 
 /* ---- align_closest_points.c: pairs of closest points under a pose, their measures, and refinement by them ---- */
 
-/* Writes the closest point of each of `samples` samples of both sides, with the model moved by the pose. */
-void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples);
+/* Writes the closest points of a piece of a side's a->used samples on the other side, with the model moved by the pose.
+ */
+void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece);
 /* Returns the distance beyond which pairs are outliers, mm, from the distances of the better-matching side. */
 float smr_pairs_limit(const smr_aligner *a);
 /* Returns the share of a side's samples, 0..1, weighted by area, that are nearer to the other side than `limit` mm. */
@@ -140,9 +154,27 @@ float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES]);
 #define SMR_REFINE_SCALED 1u  /* bit of `how`: the refinement fits scale, rotation and translation */
 #define SMR_REFINE_TRIMMED 2u /* bit of `how`: outlier pairs get no weight */
 
-/* Refines *pose, mirrored or not, in at most `rounds` rounds over `samples` samples of each side. how: SMR_REFINE_...
- * Returns 0 with too few pairs or when the scale leaves 0.1 .. 10; *pose then is the pose of the round before. */
-int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t how, smr_pose *pose);
+enum { SMR_REFINE_GOES_ON = 0, SMR_REFINE_ENDED, SMR_REFINE_FAILED };
+
+/* A pose in refinement, mirrored or not. */
+typedef struct smr_refined {
+    smr_pose pose;
+    uint32_t round; /* number of rounds done */
+    float last;     /* least sum of squared distances so far; FLT_MAX before the first round */
+    uint32_t state; /* SMR_REFINE_... */
+    float cost;     /* smr_pairs_cost() of the refined pose */
+    float limit;    /* distance beyond which pairs are outliers in this round, mm */
+    float sum;      /* weighted sum of the squared distances collected in this round, mm^2 */
+    smr_fit fit;    /* of the pairs collected in this round, from model to target */
+} smr_refined;
+
+/* A round: sets the outlier limit from the pairs, which belong to the pose; adds the pairs of both sides, the model's
+ * first, piece by piece; fits the pose. how: SMR_REFINE_SCALED, SMR_REFINE_TRIMMED. The last function returns
+ * SMR_REFINE_ENDED when the distances shrink no more, or SMR_REFINE_FAILED with too few pairs or when the scale leaves
+ * 0.1 .. 10; the pose then stays. */
+void smr_align_limit(const smr_aligner *a, uint32_t how, smr_refined *r);
+void smr_align_collect(const smr_aligner *a, uint32_t side, smr_piece piece, smr_refined *r);
+uint32_t smr_align_round(uint32_t how, smr_refined *r);
 
 /* ---- align_coarse_search.c: the coarse search among samples of both surfaces ---- */
 
@@ -160,9 +192,84 @@ typedef struct smr_coarse {
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
 
-/* Adds the best poses of this scale to `found`, at most two per rotation, with the first n_shifts translations, of the
- * model or, with `mirrored` 1, of the model's mirror image. */
-void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
-                      smr_pose_list *found);
+#define SMR_CUBE 24u /* number of rotations of a cube */
+#define SMR_TURNS 8u /* number of further rotations; each is combined with all rotations of the cube */
+
+/* A coarse search at one scale, of the model or of its mirror image. */
+typedef struct smr_coarse_search {
+    float scale;
+    uint32_t n_shifts;  /* translations tried with each of SMR_CUBE * SMR_TURNS rotations */
+    int mirrored;       /* 1: of the mirror image */
+    smr_pose_list best; /* best two poses of the current rotation */
+} smr_coarse_search;
+
+#define SMR_COARSE_PARTS 6u /* tasks into which the comparison of a pose is divided; a divisor of SMR_COARSE */
+
+/* A pose of the search whose cost is computed. */
+typedef struct smr_coarse_place {
+    smr_pose pose;
+    float sum, cost;        /* sum over the model's samples so far, mm^2; cost once complete */
+    float best[SMR_COARSE]; /* smallest cost of each target sample so far, mm^2 */
+} smr_coarse_place;
+
+/* Adds a part of the comparison of pose `number` of the search. The parts of a pose follow each other. */
+void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_search *search, uint32_t number,
+                   uint32_t part, smr_coarse_place *to);
+/* Takes the poses in order: inserts at most two poses of each rotation. */
+void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coarse_place *tried, smr_pose_list *found);
+
+/* ---- align_steps.c: the call as steps, each of which requests a search, a refinement or pairs ---- */
+
+#define SMR_ALIGN_PLACES 32u   /* poses of the coarse search that are compared together */
+#define SMR_ALIGN_GROUP 10u    /* largest number of poses that are refined together */
+#define SMR_ALIGN_COLLECT 128u /* pairs in a task that adds them to a fit */
+#define SMR_ALIGN_PIECE 4u     /* samples in a task that searches closest points */
+
+/* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
+typedef struct smr_align_work {
+    smr_aligner aligner;
+    smr_side_work sum[SMR_SIDES];
+    smr_coarse coarse;
+    smr_pose_list found, shorter; /* lists of poses that a stage reads and writes */
+    smr_pose_list best;           /* poses after the longer refinement, cheapest first */
+    smr_pose_list one;            /* the one pose in work */
+    uint32_t few, some, all;      /* samples of each side in short, longer, last refinements */
+
+    /* the coarse search */
+    smr_coarse_search search;
+    uint32_t n_tried;        /* number of poses to try; 0: no search */
+    smr_coarse_place *place; /* [SMR_ALIGN_PLACES] poses in work */
+
+    /* the refinement of a list, a group of poses at a time */
+    const smr_pose_list *from;
+    smr_pose_list *into; /* refined poses go here, without failed ones, one of similar ones; NULL: to w->one */
+    uint32_t first, n;   /* first pose of the group; number of its poses */
+    uint32_t rounds;     /* most rounds; 0: only pairs are found */
+    uint32_t how;        /* SMR_REFINE_... */
+    uint32_t last;       /* 1: pairs are found for the last time, to be measured */
+    smr_refined group[SMR_ALIGN_GROUP];
+
+    /* the steps of the call */
+    uint32_t at;    /* the next step */
+    uint32_t other; /* pose of `best` that is compared with the result */
+    smr_pose given, result;
+    float cost;  /* of the best pose before its last refinement */
+    float limit; /* outlier limit of its pairs, mm */
+    float share[SMR_SIDES];
+    int whole; /* 1: both surfaces are wholes and all pairs count */
+    uint32_t scaled, iterations;
+    smr_align_report said;
+
+    smr_pose as_given;
+    smr_pose *pose; /* the caller's */
+    smr_align_report *report;
+} smr_align_work;
+
+#define SMR_ALIGN_END 2 /* result of smr_align_step() after the last step */
+
+/* Runs the next step. Returns 1 when the step requests work, 0 when it does not, -1 when no pose was found. */
+int smr_align_step(smr_align_work *w);
+/* Inserts a pose into a list, unless the list has a similar one. A similar pose that costs clearly more is replaced. */
+void smr_align_insert(const smr_aligner *a, const smr_pose *pose, float cost, smr_pose_list *into);
 
 #endif

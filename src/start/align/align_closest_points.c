@@ -26,18 +26,19 @@ smr_pose smr_pose_invert(const smr_pose *p)
     return q;
 }
 
-/* Writes the closest points of one side's samples on the other side. scale: mm of the target in a mm of `to`. */
-static void find(const smr_align_side *from, const smr_align_side *to, const smr_pose *pose, uint32_t samples,
-                 float scale, float far2)
+void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece)
 {
+    const smr_align_side *from = &a->side[side], *to = &a->side[side == SMR_MODEL ? SMR_TARGET : SMR_MODEL];
+    const smr_pose move = side == SMR_MODEL ? *pose : smr_pose_invert(pose);
+    const float scale = side == SMR_MODEL ? 1.0f : smr_pose_scale(pose); /* mm of the target in a mm of `to` */
     const float sign = to->outward, min_cos = from->bare || to->bare ? -2.0f : SMR_AGREE;
-    for (uint32_t k = 0; k < samples; k++) {
-        const uint32_t i = smr_sample(from, k, samples);
+    for (uint32_t k = piece.first; k < piece.last; k++) {
+        const uint32_t i = smr_sample(from, k, a->used);
         smr_pair *const pair = &from->pair[k];
-        const smr_query q = {smr_pose_apply(pose, from->point[i]),
-                             smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), min_cos, UINT32_MAX,
+        const smr_query q = {smr_pose_apply(&move, from->point[i]),
+                             smr_scale(smr_unit(smr_pose_turn(&move, from->normal[i])), sign), min_cos, UINT32_MAX,
                              pair->triangle};
-        smr_hit hit = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
+        smr_hit hit = {a->far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
         smr_surface_search(to->surface, NULL, &q, &hit);
         pair->triangle = hit.triangle;
         pair->d2 = hit.d2 * scale * scale;
@@ -47,14 +48,6 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
         pair->at = smr_triangle_point(&to->surface->tree, hit.triangle, hit.weight);
         pair->border = to->surface->open ? smr_surface_on_border(to->surface, hit.triangle, hit.weight) : 0u;
     }
-}
-
-void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
-{
-    const smr_pose back = smr_pose_invert(pose);
-    a->used = samples;
-    find(&a->side[SMR_MODEL], &a->side[SMR_TARGET], pose, samples, 1.0f, a->far2);
-    find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2);
 }
 
 /* Returns a quantile of a side's squared distances, mm^2, by a radix search: bits of floats >= 0 sort as floats. */
@@ -126,51 +119,46 @@ float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES])
     return SMR_SQRT(sum / all);
 }
 
-/* Adds the pairs of one side to the fit from model to target. Returns the weighted sum of squared distances, mm^2. */
-static float collect(const smr_aligner *a, uint32_t side, float limit, int mirrored, smr_fit *fit)
+void smr_align_limit(const smr_aligner *a, uint32_t how, smr_refined *r)
+{
+    r->limit = how & SMR_REFINE_TRIMMED ? smr_pairs_limit(a) : SMR_UNTRIMMED;
+    r->sum = 0.0f;
+    smr_fit_start(&r->fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
+}
+
+void smr_align_collect(const smr_aligner *a, uint32_t side, smr_piece piece, smr_refined *r)
 {
     const smr_align_side *from = &a->side[side];
-    const int trimmed = limit < SMR_UNTRIMMED;
-    const float inverse = trimmed ? 1.0f / (limit * limit) : 0.0f;
-    float sum = 0.0f;
-    for (uint32_t k = 0; k < a->used; k++) {
+    const int trimmed = r->limit < SMR_UNTRIMMED, mirrored = smr_pose_mirrors(&r->pose);
+    const float limit2 = r->limit * r->limit, inverse = trimmed ? 1.0f / limit2 : 0.0f;
+    for (uint32_t k = piece.first; k < piece.last; k++) {
         const smr_pair *pair = &from->pair[k];
         const uint32_t i = smr_sample(from, k, a->used);
         const float left = 1.0f - pair->d2 * inverse, weight = trimmed ? from->weight[i] : 1.0f;
-        sum += weight * (trimmed ? smr_min(pair->d2, limit * limit) : pair->d2);
+        r->sum += weight * (trimmed ? smr_min(pair->d2, limit2) : pair->d2);
         if (pair->triangle == SMR_NONE || !(left * weight > 0.0f) || (trimmed && pair->border))
             continue;
         smr_vec x = side == SMR_MODEL ? from->point[i] : pair->at;
         if (mirrored)
             x.x = -x.x;
-        smr_fit_add(fit, x, side == SMR_MODEL ? pair->at : from->point[i], left * left * weight);
+        smr_fit_add(&r->fit, x, side == SMR_MODEL ? pair->at : from->point[i], left * left * weight);
     }
-    return sum;
 }
 
-int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t how, smr_pose *pose)
+uint32_t smr_align_round(uint32_t how, smr_refined *r)
 {
-    const int mirrored = smr_pose_mirrors(pose), scaled = (how & SMR_REFINE_SCALED) != 0u;
-    float last = FLT_MAX;
-    for (uint32_t i = 0; i < rounds; i++) {
-        smr_fit fit;
-        smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-        smr_pairs_find(a, pose, samples);
-        const float limit = how & SMR_REFINE_TRIMMED ? smr_pairs_limit(a) : SMR_UNTRIMMED;
-        float mean = collect(a, SMR_MODEL, limit, mirrored, &fit);
-        mean += collect(a, SMR_TARGET, limit, mirrored, &fit);
-        if (!(fit.weight >= 3.0f))
-            return 0;
-        if (i >= SMR_STEADY && mean > last * SMR_STAGNANT)
-            return 1;
-        last = smr_min(last, mean);
-        smr_pose next = smr_fit_solve(&fit, scaled);
-        const float size = smr_pose_scale(&next);
-        if (!(size > 0.1f && size < 10.0f))
-            return 0;                                 /* the model shrinks onto a small area, or the reverse */
-        for (uint32_t r = 0; r < 3u && mirrored; r++) /* adds the mirroring in x to the fitted pose */
-            next.m[r][0] = -next.m[r][0];
-        *pose = next;
-    }
-    return 1;
+    const int mirrored = smr_pose_mirrors(&r->pose);
+    if (!(r->fit.weight >= 3.0f))
+        return SMR_REFINE_FAILED;
+    if (r->round++ >= SMR_STEADY && r->sum > r->last * SMR_STAGNANT)
+        return SMR_REFINE_ENDED;
+    r->last = smr_min(r->last, r->sum);
+    smr_pose next = smr_fit_solve(&r->fit, (how & SMR_REFINE_SCALED) != 0u);
+    const float size = smr_pose_scale(&next);
+    if (!(size > 0.1f && size < 10.0f))
+        return SMR_REFINE_FAILED;                 /* the model shrinks onto a small area, or the reverse */
+    for (uint32_t i = 0; i < 3u && mirrored; i++) /* adds the mirroring in x to the fitted pose */
+        next.m[i][0] = -next.m[i][0];
+    r->pose = next;
+    return SMR_REFINE_GOES_ON;
 }

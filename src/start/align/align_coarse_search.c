@@ -12,8 +12,6 @@
 #define SMR_COARSE_LANES 8u    /* number of pairs that a vectorised loop computes together */
 #define SMR_COARSE_LIMIT 0.15f /* distance beyond which samples do not match / smaller spread; above their spacing */
 #define SMR_ALONG 0.3f         /* weight of the squared distance along the surface, where the distance across has 1 */
-#define SMR_CUBE 24u           /* number of rotations of a cube */
-#define SMR_TURNS 8u           /* number of further rotations; each is combined with all rotations of the cube */
 #define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
 #define SMR_DIAG 0.604599788f  /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
 #define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's ends / its length, for rounding */
@@ -72,23 +70,25 @@ static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR
     return least;
 }
 
-/* Returns the cost of a pose by the coarse samples, 0 .. 1.5. 0: all samples match; 1.5: none does. */
-static float coarse_cost(const smr_coarse *c, const smr_pose *pose)
+/* Adds part `part` of the model's samples to the cost of the pose in *to. The last part sets the cost. */
+static void add_part(const smr_coarse *c, uint32_t part, smr_coarse_place *to)
 {
     const float(*m)[SMR_COARSE] = c->x[SMR_MODEL];
-    const float most = c->limit * c->limit, unit = 1.0f / smr_pose_scale(pose);
-    float best[SMR_COARSE], sum[SMR_SIDES] = {0.0f, 0.0f};
-    for (uint32_t i = 0; i < SMR_COARSE; i++)
-        best[i] = most;
-    for (uint32_t i = 0; i < SMR_COARSE; i++) {
+    const float most = c->limit * c->limit, unit = 1.0f / smr_pose_scale(&to->pose);
+    const uint32_t n = SMR_COARSE / SMR_COARSE_PARTS;
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < SMR_COARSE && part == 0u; i++)
+        to->best[i] = most;
+    to->sum = part == 0u ? 0.0f : to->sum;
+    for (uint32_t i = part * n; i < (part + 1u) * n; i++) {
         float p[6];
-        smr_store(p, smr_pose_apply(pose, smr_v(m[0][i], m[1][i], m[2][i])));
-        smr_store(p + 3, smr_scale(smr_pose_turn(pose, smr_v(m[3][i], m[4][i], m[5][i])), unit));
-        sum[SMR_MODEL] += c->weight[SMR_MODEL][i] * smr_min(pair_with_all(c, p, best), most);
+        smr_store(p, smr_pose_apply(&to->pose, smr_v(m[0][i], m[1][i], m[2][i])));
+        smr_store(p + 3, smr_scale(smr_pose_turn(&to->pose, smr_v(m[3][i], m[4][i], m[5][i])), unit));
+        to->sum += c->weight[SMR_MODEL][i] * smr_min(pair_with_all(c, p, to->best), most);
     }
-    for (uint32_t i = 0; i < SMR_COARSE; i++)
-        sum[SMR_TARGET] += c->weight[SMR_TARGET][i] * best[i];
-    return smr_cost_of_sides(sum[SMR_MODEL] / most, sum[SMR_TARGET] / most);
+    for (uint32_t i = 0; i < SMR_COARSE && part + 1u == SMR_COARSE_PARTS; i++)
+        sum += c->weight[SMR_TARGET][i] * to->best[i];
+    to->cost = smr_cost_of_sides(to->sum / most, sum / most);
 }
 
 /* Writes the k-th of the 24 rotations of a cube: a permutation of axes with signs whose determinant is 1. */
@@ -187,19 +187,22 @@ static void set_shift(const smr_aligner *a, const smr_coarse *c, uint32_t k, smr
     smr_pose_through(pose, smr_v(0, 0, 0), smr_add(move, smr_scale(along, by - smr_dot(move, along))));
 }
 
-void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
-                      smr_pose_list *found)
+void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_search *search, uint32_t number,
+                   uint32_t part, smr_coarse_place *to)
 {
-    for (uint32_t k = 0; k < SMR_CUBE * SMR_TURNS; k++) {
-        smr_pose pose;
-        smr_pose_list best;
-        smr_list_start(&best, 2);
-        set_rotation(a, k, scale, mirrored, &pose);
-        for (uint32_t s = 0; s < n_shifts; s++) {
-            set_shift(a, c, s, &pose);
-            smr_list_insert(&best, &pose, coarse_cost(c, &pose));
-        }
-        for (uint32_t i = 0; i < best.n; i++)
-            smr_list_insert(found, &best.pose[i], best.cost[i]);
+    if (part == 0u) {
+        set_rotation(a, number / search->n_shifts, search->scale, search->mirrored, &to->pose);
+        set_shift(a, c, number % search->n_shifts, &to->pose);
     }
+    add_part(c, part, to);
+}
+
+void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coarse_place *tried, smr_pose_list *found)
+{
+    const uint32_t shift = number % search->n_shifts;
+    if (shift == 0u)
+        smr_list_start(&search->best, 2);
+    smr_list_insert(&search->best, &tried->pose, tried->cost);
+    for (uint32_t i = 0; i < search->best.n && shift + 1u == search->n_shifts; i++)
+        smr_list_insert(found, &search->best.pose[i], search->best.cost[i]);
 }

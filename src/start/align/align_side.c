@@ -1,61 +1,77 @@
-/* align_side.c: samples of a surface, its principal axes, and the sign of its volume.
+/* align_side.c: samples of a surface, its principal axes, and the sign of its volume, in passes of short pieces.
+ * Bounds: three passes over the vertices, one over the triangles; the last piece may visit all vertices of fragments.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align.h"
 #include "geometry/box_tree/triangle.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
+#define SMR_SIDE_PIECE 512u /* vertices, triangles or samples in a task */
+
+/* Each pass adds a piece of the vertices or triangles of the surface to w. The last piece ends the pass. */
+
+/* Sums positions, from the first one on, by area. */
+static void add_centre(smr_align_side *side, smr_side_work *w, smr_piece piece)
+{
+    const smr_surface *s = side->surface;
+    const smr_vec origin = smr_load(s->xyz);
+    if (piece.first == 0u) {
+        *w = (smr_side_work){.weight = 0.0f};
+        side->bare = (uint32_t)smr_is_cloud(s);
+    }
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        w->sum = smr_add(w->sum, smr_scale(smr_sub(smr_get3(s->xyz, i), origin), s->area[i]));
+        w->weight += s->area[i];
+        side->bare &= (uint32_t)(!side->bare || smr_all_within(s->normal + 3u * (size_t)i, 3, 0.0f));
+    }
+    w->inverse = w->weight > 0.0f ? 1.0f / w->weight : 0.0f;
+    side->centre = smr_add(origin, smr_scale(w->sum, w->inverse));
+}
+
+/* Sums the covariance of positions; the last piece sets axes and spread. */
+static void add_spread(smr_align_side *side, smr_side_work *w, smr_piece piece)
+{
+    const smr_surface *s = side->surface;
+    float value[3];
+    for (uint32_t i = piece.first; i < piece.last; i++)
+        smr_add_square(w->c, s->area[i] * w->inverse, smr_sub(smr_get3(s->xyz, i), side->centre));
+    side->spread = SMR_SQRT(w->c[SMR_XX] + w->c[SMR_YY] + w->c[SMR_ZZ]);
+    if (piece.last == s->n_vertices)
+        smr_eigen(w->c, value, side->axes);
+}
+
 /* Chooses the signs of a side's axes so that third moments along the first two are positive. Eigenvectors have no
  * sign; without a choice the order of equally good poses would depend on the surface's orientation. */
-static void turn_axes(smr_align_side *side, const smr_surface *s)
+static void add_skew(smr_align_side *side, smr_side_work *w, smr_piece piece)
 {
-    float *a = side->axes, skew[2] = {0.0f, 0.0f};
-    for (uint32_t i = 0; i < s->n_vertices; i++) {
+    const smr_surface *s = side->surface;
+    float *a = side->axes;
+    for (uint32_t i = piece.first; i < piece.last; i++) {
         const smr_vec d = smr_sub(smr_get3(s->xyz, i), side->centre);
         for (uint32_t k = 0; k < 2u; k++) {
             const float along = d.x * a[k] + d.y * a[3u + k] + d.z * a[6u + k];
-            skew[k] += s->area[i] * along * along * along;
+            w->skew[k] += s->area[i] * along * along * along;
         }
     }
-    for (uint32_t k = 0; k < 2u; k++)
-        for (uint32_t r = 0; r < 3u && skew[k] < 0.0f; r++) {
+    for (uint32_t k = 0; k < 2u && piece.last == s->n_vertices; k++)
+        for (uint32_t r = 0; r < 3u && w->skew[k] < 0.0f; r++) {
             a[3u * r + k] = -a[3u * r + k];
             a[3u * r + 2u] = -a[3u * r + 2u];
         }
 }
 
-/* Computes the side's area-weighted centroid, principal axes and spread. */
-static void describe(smr_align_side *side, const smr_surface *s)
+/* Sums the volume of a closed surface: a negative one is inside out. */
+static void add_volume(smr_align_side *side, smr_side_work *w, smr_piece piece)
 {
-    const smr_vec origin = smr_load(s->xyz);
-    smr_vec sum = smr_v(0, 0, 0);
-    float weight = 0.0f, c[6] = {0}, value[3];
-    for (uint32_t i = 0; i < s->n_vertices; i++) {
-        sum = smr_add(sum, smr_scale(smr_sub(smr_get3(s->xyz, i), origin), s->area[i]));
-        weight += s->area[i];
-    }
-    const float inverse = weight > 0.0f ? 1.0f / weight : 0.0f;
-    side->centre = smr_add(origin, smr_scale(sum, inverse));
-    for (uint32_t i = 0; i < s->n_vertices; i++)
-        smr_add_square(c, s->area[i] * inverse, smr_sub(smr_get3(s->xyz, i), side->centre));
-    side->spread = SMR_SQRT(c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ]);
-    smr_eigen(c, value, side->axes);
-    turn_axes(side, s);
-}
-
-/* Returns 1 for a closed surface with a negative volume. */
-static int inside_out(const smr_surface *s, smr_vec centre)
-{
-    float volume = 0.0f;
-    if (s->open)
-        return 0;
-    for (uint32_t i = 0; i < s->tree.n_triangles; i++) {
+    const smr_surface *s = side->surface;
+    for (uint32_t i = piece.first; i < piece.last && !s->open; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)i;
         if (smr_surface_fragment(s, t[0]))
             continue;
         const smr_corner_values v = smr_corners_of(s->xyz, t);
-        volume += smr_dot(smr_sub(v.a, centre), smr_cross(smr_sub(v.b, centre), smr_sub(v.c, centre)));
+        w->volume +=
+            smr_dot(smr_sub(v.a, side->centre), smr_cross(smr_sub(v.b, side->centre), smr_sub(v.c, side->centre)));
     }
-    return volume < 0.0f;
+    side->outward = w->volume < 0.0f ? -1.0f : 1.0f;
 }
 
 /* Returns the vertex with `wanted` vertices outside fragments before it. at, in and out: vertex; number before it. */
@@ -66,21 +82,44 @@ static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
     return at[0];
 }
 
-void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
+/* Takes the samples of a piece. */
+static void take_samples(smr_align_side *side, smr_side_work *w, smr_piece piece)
 {
+    const smr_surface *s = side->surface;
     const float inverse = s->area_mean > 0.0f ? 1.0f / s->area_mean : 0.0f;
-    const uint32_t kept = s->n_vertices - s->n_fragment_vertices;
-    uint32_t at[2] = {0, 0};
-    side->surface = s;
-    side->n = n;
-    side->bare = smr_is_cloud(s) && smr_all_within(s->normal, 3u * (size_t)s->n_vertices, 0.0f);
-    describe(side, s);
-    side->outward = inside_out(s, side->centre) ? -1.0f : 1.0f;
-    for (uint32_t k = 0; k < n; k++) {
-        const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), at);
+    const uint32_t kept = s->n_vertices - s->n_fragment_vertices, n = side->n;
+    for (uint32_t k = piece.first; k < piece.last; k++) {
+        const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), w->at);
         side->point[k] = smr_get3(s->xyz, i);
         side->normal[k] = smr_scale(smr_get3(s->normal, i), side->outward);
         side->weight[k] = s->area[i] * inverse;
         side->pair[k].triangle = SMR_NONE;
     }
+}
+
+static const struct {
+    void (*run)(smr_align_side *side, smr_side_work *w, smr_piece piece);
+    uint32_t of; /* what the pass visits: 0 vertices, 1 triangles, 2 samples */
+} passes[] = {{add_centre, 0}, {add_spread, 0}, {add_skew, 0}, {add_volume, 1}, {take_samples, 2}};
+
+static uint32_t items_of(const smr_align_side *side, uint32_t pass)
+{
+    const smr_surface *s = side->surface;
+    return passes[pass].of == 0u ? s->n_vertices : passes[pass].of == 1u ? s->tree.n_triangles : side->n;
+}
+
+uint32_t smr_align_side_tasks(const smr_align_side *side)
+{
+    uint32_t n = 0;
+    for (uint32_t pass = 0; pass < sizeof passes / sizeof passes[0]; pass++)
+        n += smr_ceil_div(items_of(side, pass), SMR_SIDE_PIECE);
+    return n;
+}
+
+void smr_align_side_make(smr_align_side *side, smr_side_work *w, uint32_t task)
+{
+    uint32_t pass = 0;
+    for (; task >= smr_ceil_div(items_of(side, pass), SMR_SIDE_PIECE); pass++)
+        task -= smr_ceil_div(items_of(side, pass), SMR_SIDE_PIECE);
+    passes[pass].run(side, w, smr_piece_of(task, SMR_SIDE_PIECE, items_of(side, pass)));
 }

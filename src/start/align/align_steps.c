@@ -1,0 +1,313 @@
+/* align_steps.c: the start pose from two surfaces, without landmarks, and a report on it.
+ * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
+ * which is right for whole surfaces; short refinements of the results and of the given pose, longer ones of the best.
+ * The best pose is refined by all pairs when nearly all samples of both surfaces match, else without outliers. The
+ * given pose is kept when it is about as good.
+ * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS, 2 of
+ * config.iterations; for the mirror image 1 search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align.h"
+
+#define SMR_ROUNDS_SHORT 6u       /* largest number of rounds of a short refinement */
+#define SMR_ROUNDS 16u            /* largest number of rounds of a longer refinement */
+#define SMR_FINALISTS 4u          /* largest number of poses that get a longer refinement */
+#define SMR_OF_SCALE 8u           /* number of poses kept from a search at another scale or for the mirror image */
+#define SMR_LARGER 1.136f         /* scale of a further search, as is its inverse: a part's spread gives no scale */
+#define SMR_SAME_SIZE 0.03f       /* largest |ratio of the spreads - 1| without a search at this ratio */
+#define SMR_ALIKE_COS 0.95f       /* smallest cosine of the rotation between two similar poses (18 degrees) */
+#define SMR_ALIKE_SHIFT 0.1f      /* largest distance between two similar poses / spread of the target */
+#define SMR_ALIKE_SCALE 1.04f     /* largest ratio of the scales of two similar poses */
+#define SMR_CHEAPER 0.98f         /* a pose replaces a similar one if its cost / the similar one's cost is lower */
+#define SMR_FAR_SHARE 0.75f       /* search range of closest points / larger spread of both surfaces */
+#define SMR_EXPLAINED_SHARE 0.08f /* distance beyond which samples do not match / smaller spread */
+#define SMR_WHOLE 0.9f            /* share of matching samples above which, on both sides, surfaces are wholes */
+#define SMR_WHOLE_WORSE 1.2f      /* largest cost after a refinement by all pairs / cost before, for wholes */
+#define SMR_WHOLE_SLACK 0.02f     /* cost added to SMR_WHOLE_WORSE times the cost before */
+#define SMR_GIVEN_WORSE 1.25f     /* largest rms distance / rms of the found pose with which the given pose is kept */
+#define SMR_OTHER_COS 0.866f      /* cosine of the rotation (30 degrees) below which two poses clearly differ */
+#define SMR_OTHER_SHIFT 0.15f     /* distance / target's spread above which two poses clearly differ */
+#define SMR_ALIKE_COST 1.1f       /* largest cost / cost of the best pose with which a pose counts as equally good */
+#define SMR_ALIKE_SLACK 0.01f     /* cost added to SMR_ALIKE_COST times the best pose's cost */
+
+/* Returns the distance of two poses, mm: of images of the model's centre, or of preimages of the target's, if less. */
+static float shift_between(const smr_aligner *a, const smr_pose *p, const smr_pose *q)
+{
+    const smr_vec model = a->side[SMR_MODEL].centre, target = a->side[SMR_TARGET].centre;
+    const smr_pose p_back = smr_pose_invert(p), q_back = smr_pose_invert(q);
+    const float forth = smr_length(smr_sub(smr_pose_apply(p, model), smr_pose_apply(q, model)));
+    const float back = smr_length(smr_sub(smr_pose_apply(&p_back, target), smr_pose_apply(&q_back, target)));
+    return smr_min(forth, back * smr_pose_scale(p));
+}
+
+/* Returns 1 when the rotation between two poses has a lower cosine or their distance exceeds `shift` target spreads. */
+static int pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose *q, float cosine, float shift)
+{
+    float trace = 0.0f;
+    for (uint32_t i = 0; i < 9u; i++)
+        trace += p->m[i / 3u][i % 3u] * q->m[i / 3u][i % 3u];
+    trace /= smr_pose_scale(p) * smr_pose_scale(q); /* 1 + 2 cos(angle of the rotation between p and q) */
+    return trace < 1.0f + 2.0f * cosine || shift_between(a, p, q) > shift * a->side[SMR_TARGET].spread;
+}
+
+void smr_align_insert(const smr_aligner *a, const smr_pose *pose, float cost, smr_pose_list *into)
+{
+    for (uint32_t i = 0; i < into->n; i++) {
+        const float ratio = smr_pose_scale(pose) / smr_pose_scale(&into->pose[i]);
+        if (ratio > SMR_ALIKE_SCALE || ratio * SMR_ALIKE_SCALE < 1.0f ||
+            pose_differs(a, pose, &into->pose[i], SMR_ALIKE_COS, SMR_ALIKE_SHIFT))
+            continue;
+        if (cost >= SMR_CHEAPER * into->cost[i])
+            return;
+        smr_list_remove(into, i);
+        break;
+    }
+    smr_list_insert(into, pose, cost);
+}
+
+/* ---- requests of the steps ---- */
+
+/* Starts a coarse search at a scale. */
+static void start_search(smr_align_work *w, float scale, uint32_t n_shifts, int mirrored, uint32_t most)
+{
+    w->search = (smr_coarse_search){.scale = scale, .n_shifts = n_shifts, .mirrored = mirrored};
+    w->n_tried = SMR_CUBE * SMR_TURNS * n_shifts;
+    smr_list_start(&w->found, most);
+}
+
+static void refine(smr_align_work *w, const smr_pose_list *from, uint32_t samples, uint32_t rounds, uint32_t how,
+                   smr_pose_list *into)
+{
+    w->from = from;
+    w->into = into;
+    w->aligner.used = samples;
+    w->rounds = rounds;
+    w->how = how;
+    w->first = 0;
+}
+
+/* Starts the refinement of one pose, or with rounds 0 the search of its pairs. */
+static void refine_one(smr_align_work *w, const smr_pose *pose, uint32_t samples, uint32_t rounds, uint32_t how)
+{
+    smr_list_start(&w->one, 1);
+    smr_list_insert(&w->one, pose, 0.0f);
+    refine(w, &w->one, samples, rounds, how, NULL);
+}
+
+static void find_pairs(smr_align_work *w, const smr_pose *pose, uint32_t samples)
+{
+    refine_one(w, pose, samples, 0, 0);
+}
+
+/* ---- the steps of the call; each returns 1 when it requests work, whose result the next step
+ * takes, and -1 when no pose was found ---- */
+
+/* Sets numbers of samples, search range and matching distance, and searches at the model's size. */
+static int find_poses(smr_align_work *w)
+{
+    smr_aligner *a = &w->aligner;
+    const float far = SMR_FAR_SHARE * smr_max(a->side[SMR_MODEL].spread, a->side[SMR_TARGET].spread) + 1.0e-6f;
+    a->far2 = far * far;
+    a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
+    smr_coarse_take(&w->coarse, a);
+    start_search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
+    smr_list_insert(&w->found, &w->given, 0.0f);
+    smr_list_start(&w->shorter, SMR_FINALISTS);
+    refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
+    return 1;
+}
+
+/* Searches poses at another scale, which is then free: that distinguishes bones of two sizes. */
+static int try_scale(smr_align_work *w, float scale, uint32_t how)
+{
+    start_search(w, scale, SMR_SHIFTS_LONG, 0, SMR_OF_SCALE);
+    refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
+    return 1;
+}
+
+static int try_smaller(smr_align_work *w) { return try_scale(w, 1.0f / SMR_LARGER, SMR_REFINE_TRIMMED); }
+static int try_larger(smr_align_work *w) { return try_scale(w, SMR_LARGER, SMR_REFINE_TRIMMED); }
+
+static int try_ratio(smr_align_work *w)
+{
+    const smr_align_side *side = w->aligner.side;
+    const float ratio = side[SMR_TARGET].spread / smr_max(side[SMR_MODEL].spread, 1.0e-6f);
+    const int differs = !smr_within(ratio - 1.0f, SMR_SAME_SIZE) && ratio > 0.2f && ratio < 5.0f;
+    return differs ? try_scale(w, ratio, 0) : 0;
+}
+
+static int refine_finalists(smr_align_work *w)
+{
+    smr_list_start(&w->best, SMR_FINALISTS);
+    refine(w, &w->shorter, w->some, SMR_ROUNDS, SMR_REFINE_SCALED | SMR_REFINE_TRIMMED, &w->best);
+    return 1;
+}
+
+static int measure_best(smr_align_work *w)
+{
+    if (w->best.n == 0u)
+        return -1;
+    find_pairs(w, &w->best.pose[0], w->some);
+    return 1;
+}
+
+static int find_limit(smr_align_work *w)
+{
+    const smr_aligner *a = &w->aligner;
+    w->limit = smr_min(smr_pairs_limit(a), a->limit);
+    w->cost = smr_pairs_cost(a);
+    return 0;
+}
+
+/* Refines the best pose by all pairs, if both surfaces are wholes. */
+static int refine_whole(smr_align_work *w)
+{
+    const smr_aligner *a = &w->aligner;
+    w->whole =
+        smr_pairs_share(a, SMR_MODEL, w->limit) > SMR_WHOLE && smr_pairs_share(a, SMR_TARGET, w->limit) > SMR_WHOLE;
+    if (w->whole)
+        refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
+    return w->whole;
+}
+
+static int measure_whole(smr_align_work *w)
+{
+    if (w->whole)
+        find_pairs(w, &w->one.pose[0], w->some);
+    return w->whole;
+}
+
+/* Without wholes, or where a refinement by all pairs has matched unlike parts, so that the cost has grown: outliers are
+ * rejected. Without a scale the refinement starts from the rigid pose that fits the scaled pose's pairs. */
+static int fit_part(smr_align_work *w)
+{
+    if (w->whole && w->scaled)
+        w->whole = smr_pairs_cost(&w->aligner) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
+    if (w->whole)
+        return 0;
+    w->one.pose[0] = w->best.pose[0];
+    if (!w->scaled)
+        refine_one(w, &w->best.pose[0], w->some, 1, SMR_REFINE_TRIMMED);
+    return !w->scaled;
+}
+
+static int refine_part(smr_align_work *w)
+{
+    if (!w->whole)
+        refine_one(w, &w->one.pose[0], w->all, w->iterations, w->scaled | SMR_REFINE_TRIMMED);
+    return !w->whole;
+}
+
+static int measure_result(smr_align_work *w)
+{
+    w->result = w->one.pose[0];
+    find_pairs(w, &w->result, w->all);
+    return 1;
+}
+
+static int report_result(smr_align_work *w)
+{
+    smr_align_report *r = &w->said;
+    const smr_aligner *a = &w->aligner;
+    const float limit = smr_pairs_limit(a);
+    r->model_share = smr_pairs_share(a, SMR_MODEL, limit);
+    r->target_share = smr_pairs_share(a, SMR_TARGET, limit);
+    w->share[SMR_MODEL] = w->whole ? 1.0f : r->model_share;
+    w->share[SMR_TARGET] = w->whole ? 1.0f : r->target_share;
+    return 0;
+}
+
+static int measure_given(smr_align_work *w)
+{
+    w->said.rms_mm = smr_pairs_rms(&w->aligner, w->share);
+    find_pairs(w, &w->given, w->all);
+    return 1;
+}
+
+/* The result becomes the given pose if that is about as good. */
+static int report_given(smr_align_work *w)
+{
+    smr_align_report *r = &w->said;
+    const float rms = smr_pairs_rms(&w->aligner, w->share);
+    if (rms <= SMR_GIVEN_WORSE * r->rms_mm) {
+        r->given = 1;
+        r->rms_mm = rms;
+        w->result = w->given;
+    }
+    r->scale = smr_pose_scale(&w->result);
+    r->n_alike = 1;
+    return 0;
+}
+
+/* Finds the next pose that clearly differs from the best one. */
+static int find_other(smr_align_work *w)
+{
+    const smr_pose_list *best = &w->best;
+    do
+        w->other++;
+    while (w->other < best->n &&
+           !pose_differs(&w->aligner, &best->pose[w->other], &best->pose[0], SMR_OTHER_COS, SMR_OTHER_SHIFT));
+    if (w->other < best->n)
+        find_pairs(w, &best->pose[w->other], w->some);
+    return w->other < best->n;
+}
+
+/* Reports the number of poses that match as well as the best, and the least rms of clearly different poses, mm. */
+static int compare_other(smr_align_work *w)
+{
+    smr_align_report *r = &w->said;
+    if (w->other >= w->best.n)
+        return 0;
+    const float rms = smr_pairs_rms(&w->aligner, w->share);
+    if (r->second_rms_mm == 0.0f || rms < r->second_rms_mm)
+        r->second_rms_mm = rms;
+    r->n_alike += w->best.cost[w->other] <= SMR_ALIKE_COST * w->best.cost[0] + SMR_ALIKE_SLACK;
+    w->at -= 2u; /* back to find_other() */
+    return 0;
+}
+
+/* Searches the model's mirror image near the result's scale. */
+static int try_mirrored(smr_align_work *w)
+{
+    start_search(w, w->said.scale, SMR_SHIFTS_LONG, 1, SMR_OF_SCALE);
+    smr_list_start(&w->shorter, 1);
+    refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED | w->scaled, &w->shorter);
+    return 1;
+}
+
+static int refine_mirrored(smr_align_work *w)
+{
+    const smr_pose *pose = w->shorter.n > 0u ? &w->shorter.pose[0] : &w->found.pose[0];
+    refine_one(w, pose, w->some, SMR_ROUNDS, SMR_REFINE_TRIMMED | w->scaled);
+    return 1;
+}
+
+static int measure_mirrored(smr_align_work *w)
+{
+    const smr_pose mirrored = w->one.pose[0];
+    find_pairs(w, &mirrored, w->some);
+    return 1;
+}
+
+static int finish(smr_align_work *w)
+{
+    const smr_align_side *model = &w->aligner.side[SMR_MODEL], *target = &w->aligner.side[SMR_TARGET];
+    w->said.mirrored_rms_mm = smr_pairs_rms(&w->aligner, w->share);
+    w->said.model_inside_out = model->outward < 0.0f;
+    w->said.target_inside_out = target->outward < 0.0f;
+    smr_pose_through(&w->result, model->surface->origin, smr_add(target->surface->origin, smr_column(&w->result, 3)));
+    *w->pose = w->said.given ? w->as_given : w->result;
+    if (w->report != NULL)
+        *w->report = w->said;
+    return 0;
+}
+
+static int (*const steps[])(smr_align_work *w) = {
+    find_poses,   try_smaller,   try_larger,    try_ratio,    refine_finalists, measure_best,     find_limit,
+    refine_whole, measure_whole, fit_part,      refine_part,  measure_result,   report_result,    measure_given,
+    report_given, find_other,    compare_other, try_mirrored, refine_mirrored,  measure_mirrored, finish,
+};
+
+int smr_align_step(smr_align_work *w)
+{
+    return w->at < sizeof steps / sizeof steps[0] ? steps[w->at++](w) : SMR_ALIGN_END;
+}

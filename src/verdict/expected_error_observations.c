@@ -1,0 +1,167 @@
+/* expected_error_observations.c: chooses the visible vertices whose displacements along their normals tell the expected
+ * errors, and measures their noise: how much vertices stick out from their neighbours.
+ * Bounds: four passes over a structure's vertices, one over its triangles.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/gaussian_process/gaussian_process.h"
+#include "verdict/verdict_measures.h"
+
+#define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
+#define SMR_NORMAL_LENGTH 0.5f    /* kernel length divided by the diagonal of the structure's box */
+#define SMR_NORMAL_NOISE 0.01f    /* assumed noise variance / field's variance, for the bend and the first size2 */
+#define SMR_NORMAL_MOTIONS 8.0f   /* variance of shift, turn, scale (at a kernel length) / field's variance */
+
+/* Places arrays in the memory of sums and records, which is free between iterations. Returns the number of observations
+ * for which there is room. */
+static uint32_t place(smr_normal_field *f, const smr *s)
+{
+    const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
+    uint32_t most = smr_min_u32(SMR_OBSERVATIONS, s->shared.n);
+    while (most > 0u && (SMR_FACTOR_WORDS(most) + 8u * most > words || 5u * most > 4u * s->shared.n))
+        most--; /* behind the expected errors are four words a vertex for terms of five */
+    f->at = (float *)s->overlay.sum;
+    f->normal = f->at + 3u * (size_t)most;
+    f->moved = f->normal + 3u * (size_t)most;
+    f->open = f->moved + most;
+    f->lower = f->open + most;
+    f->term = (smr_terms *)smr_vertex_expected(s, s->shared.n);
+    return most;
+}
+
+/* Returns 1 for a visible vertex with a normal. */
+static int is_observed(const smr_judgement *j, uint32_t v)
+{
+    const smr_vec n = smr_get3(j->s->shape.normal, v);
+    return smr_judged_visible(j)[v] && smr_dot(n, n) > 0.5f;
+}
+
+uint32_t smr_observed_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    return smr_follows_landmarks(j->s, j->structure) ? 0u : smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE);
+}
+
+/* Counts the structure's observed vertices. */
+void smr_observed_count(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr_piece piece = smr_judged_vertices(j, task);
+    for (uint32_t i = piece.first; i < piece.last; i++)
+        j->field.total += (uint32_t)is_observed(j, smr_judged_vertex(j, i));
+}
+
+/* Lists visible vertices, at most as many as there is room for, evenly in stored order, as observations; adds all
+ * visible ones to the fit, and all vertices to the box. */
+void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    smr_normal_field *f = &j->field;
+    const smr *s = j->s;
+    const smr_piece piece = smr_judged_vertices(j, task);
+    if (task == 0u) {
+        f->most = smr_min_u32(f->total, place(f, s));
+        j->fit.weight = 0.0f;
+        j->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    }
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
+        const smr_vec p = smr_get3(s->shape.start, v), x = smr_get3(s->shape.x, v);
+        smr_box_grow(&j->box, p);
+        if (!is_observed(j, v))
+            continue;
+        if (f->met == 0u)
+            smr_fit_start(&j->fit, p, x);
+        smr_fit_add(&j->fit, p, x, 1.0f);
+        if (f->n < f->most && (uint64_t)f->met * f->most >= (uint64_t)f->n * f->total) {
+            smr_put3(f->at, f->n, p);
+            smr_put3(f->normal, f->n, smr_get3(s->shape.normal, v));
+            smr_put3(f->lower, f->n++, x); /* positions, until the factor needs the memory */
+        }
+        f->met++;
+    }
+}
+
+/* Prepares the process: the pose, observed displacements, and assumed noise. Landmarks: solves their field. */
+void smr_field_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    smr_normal_field *f = &j->field;
+    j->bend2 = -1.0f;
+    j->mean = (smr_mean){0, 0};
+    if (smr_follows_landmarks(j->s, j->structure)) {
+        j->through = j->s->forces.occluded;
+        j->bend2 = smr_landmark_field_solve(&j->through);
+    }
+    if (f->n < SMR_OBSERVATIONS_LEAST) {
+        f->n = 0;
+        return;
+    }
+    const float length = smr_max(SMR_NORMAL_LENGTH * smr_length(smr_sub(j->box.hi, j->box.lo)), 1.0e-6f);
+    f->per_length2 = 1.0f / (length * length);
+    f->middle = smr_scale(smr_add(j->box.lo, j->box.hi), 0.5f);
+    f->motions = j->s->forces.occluded.sheet ? 0.0f : SMR_NORMAL_MOTIONS; /* a sheet's borders determine its motion */
+    f->noise = SMR_NORMAL_NOISE;
+    f->image_part = j->e.n_invisible > 0u;
+    f->pose = smr_fit_solve(&j->fit, 0);
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->at, i)), normal = smr_get3(f->normal, i);
+        f->moved[i] = smr_dot(smr_sub(smr_get3(f->lower, i), posed), normal);
+        smr_put3(f->normal, i, smr_pose_turn_back(&f->pose, normal));
+    }
+}
+
+/* ---- noise variance of visible vertices, mm^2: squared difference, along the normal, of a vertex' displacement from
+ * the posed start and the mean of its neighbours'. Six neighbours add a sixth of the variance. ---- */
+
+uint32_t smr_noise_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    return j->field.n > 0u ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE) : 0u;
+}
+
+/* Writes displacements from the posed start, and clears the sums over neighbours. */
+void smr_noise_begin(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_judgement *j = job;
+    const smr *s = j->s;
+    const smr_piece piece = smr_judged_vertices(j, task);
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
+        const smr_vec posed = smr_pose_apply(&j->field.pose, smr_get3(s->shape.start, v));
+        smr_put3(s->overlay.rings.displacement, v, smr_sub(smr_get3(s->shape.x, v), posed));
+        smr_put3(s->overlay.rings.sum, v, smr_v(0, 0, 0));
+        s->overlay.rings.weight[v] = 0.0f;
+    }
+}
+
+uint32_t smr_noise_rings_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    return j->field.n > 0u ? smr_ceil_div(smr_judged(j)->tree.n_triangles, SMR_JUDGE_PIECE) : 0u;
+}
+
+void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_judgement *j = job;
+    const smr_rings *rings = &j->s->overlay.rings;
+    const smr_piece piece = smr_judged_triangles(j, task);
+    for (uint32_t k = piece.first; k < piece.last; k++)
+        smr_ring_add(rings, smr_judged(j)->tree.triangle + 3u * (size_t)k, rings->displacement);
+}
+
+/* Adds the noise of visible vertices; the last task sets the noise variance. */
+void smr_noise_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_judgement *j = job;
+    const smr_rings *rings = &j->s->overlay.rings;
+    const smr_piece piece = smr_judged_vertices(j, task);
+    const float residual = smr_mean_of(j->e.residual, 0.0f);
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        const uint32_t v = smr_judged_list(j)[i];
+        if (!(rings->weight[v] > 0.0f) || !is_observed(j, v))
+            continue;
+        const smr_vec mean = smr_scale(smr_get3(rings->sum, v), 1.0f / rings->weight[v]);
+        const float out = smr_dot(smr_sub(smr_get3(rings->displacement, v), mean), smr_get3(j->s->shape.normal, v));
+        smr_mean_add(&j->mean, out * out * (6.0f / 7.0f), 1.0f);
+    }
+    j->field.noise2 = smr_mean_of(j->mean, 0.0f) + residual * residual;
+}
