@@ -8,7 +8,6 @@
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "geometry/gaussian_process/gaussian_process.h"
 #include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
 
@@ -106,12 +105,16 @@ static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
     f->back[6] = length * (1.0f / scale - 1.0f);
 }
 
-void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle)
+void smr_field_normals_begin(smr_occluded_field *f, smr_vec middle)
 {
-    const float inverse = SMR_SQRT(f->per_length2);
     f->middle = smr_pose_apply(&f->pose, middle);
     find_motion_to_start(f, middle);
-    for (uint32_t k = 0; k < f->n; k++) {
+}
+
+void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control, uint32_t first, uint32_t last)
+{
+    const float inverse = SMR_SQRT(f->per_length2);
+    for (uint32_t k = first; k < last; k++) {
         const smr_vec n = smr_get3(f->shape->normal, control[k]);
         const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->start, k));
         const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
@@ -162,8 +165,6 @@ static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
 void smr_field_normals_end(smr_occluded_field *f)
 {
     float *const sum = f->back;
-    smr_solve_forward(f->lower, f->n, f->residual);
-    smr_solve_back(f->lower, f->n, f->residual);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->coefficient, k);
         for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
