@@ -12,12 +12,14 @@
 #include "log/record/log_format.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
-#define SMR_STEPS_MAX 44u /* largest number of steps of an iteration */
+#define SMR_STEPS_MAX 46u /* largest number of steps of an iteration */
 
 /* Measured costs of steps, and decisions of the time budget (time_budget.c). */
 typedef struct smr_time_budget {
     float rate[SMR_STEPS_MAX]; /* cost of each step, ns a unit of work; negative: unknown */
     uint64_t spent;            /* time spent in the current step, ns */
+    uint32_t work;             /* work done since the last reading of the clock, instructions at most */
+    float pace;                /* ns an instruction of work; negative: unknown */
     float sum;                 /* time spent in the current iteration, ns */
     float whole;               /* mean time of an iteration, ns */
     uint32_t count;            /* number of active vertices when the costs of the cluster sums were learnt */
@@ -32,10 +34,12 @@ typedef struct smr_time_budget {
 
 struct smr {
     uint32_t magic;           /* SMR_STATE_MAGIC marks a registration */
-    uint32_t step, next_task; /* position of the tick: current step of the iteration, completed tasks of this step */
-    uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
-    uint32_t refused;         /* 1: the port left out a task or used an illegal worker. Setting positions clears it */
-    uint32_t n_awaited;       /* number of inputs that must be set again after a restore */
+    uint32_t step, next_task; /* position of the tick: current step of the iteration; number of its complete tasks */
+    uint32_t n_dealt, block;  /* number of the step's tasks that workers have got; number in a block */
+    uint32_t n_shares;  /* number of workers among which the step's tasks are divided; 0: the step has not begun */
+    uint32_t ticking;   /* 1: a tick is running, perhaps in this thread: inputs are refused */
+    uint32_t refused;   /* 1: the port left out a task or used an illegal worker. Setting positions clears it */
+    uint32_t n_awaited; /* number of inputs that must be set again after a restore */
     /* sets an awaited input of this kind (SMR_LOG_...) and number; the pointer is set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
     const struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
@@ -56,6 +60,14 @@ struct smr {
     uint32_t n_measured; /* number of measures begun, which use the memory of records and sums */
     smr_tick_report report;
 };
+
+/* Goes back to the start of an iteration. */
+static inline void smr_place_reset(smr *s)
+{
+    s->step = s->next_task = s->n_shares = s->n_dealt = 0;
+    for (uint32_t k = 0; k < s->shared.config.basic.n_workers; k++)
+        smr_worker_start(&s->shared.worker[k]);
+}
 
 /* Returns 1 for a registration at the address that smr_init() gave it. */
 static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC && s->placed == s; }

@@ -2,7 +2,7 @@
 # cases: experiments on data as they are, a function for each group; written with the words of experiments.sh, which reads it.
 # SPDX-License-Identifier: MIT
 
-groups='thigh parts track persons references volume contact landmarks scene verdict shown noise points mri ct fusing' # the longest first
+groups='thigh parts track persons references volume contact landmarks scene verdict shown noise points mri ct fusing budgets' # the longest first
 ! full || groups="views carry $groups"
 
 thigh='--model data/hip_thigh_vhm/*.ply --reference data/thigh_patient/mri_reference.mha'

@@ -56,7 +56,7 @@ static float **plain_run(uint32_t method)
 /* Runs to the last iteration; returns how many ticks were partial. */
 static uint32_t budget_run(smr *s, uint64_t budget, float **plain, uint32_t n_iterations)
 {
-    static float now[3 * 512];
+    static float now[3 * 512], normal[3 * 512];
     const uint32_t bytes = source.n_vertices * 3u * (uint32_t)sizeof(float);
     uint32_t partial = 0, iteration = 0;
     assert_true(bytes <= sizeof now);
@@ -70,6 +70,9 @@ static uint32_t budget_run(smr *s, uint64_t budget, float **plain, uint32_t n_it
         assert_true(report.details.phase < SMR_PHASES);
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, now));
         assert_memory_equal(plain[iteration], now, bytes);
+        assert_int_equal(SMR_OK, smr_get_normals(s, 0, now));
+        assert_true(status == SMR_OK || tick == 0u || memcmp(normal, now, bytes) == 0);
+        memcpy(normal, now, bytes);
     }
     assert_int_equal(n_iterations, iteration); /* otherwise ticks stopped making progress */
     return partial;

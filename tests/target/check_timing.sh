@@ -38,13 +38,12 @@ awk -v same=$same -F '; ' '
     $2 == "still" { still[of] = $6 }
     $2 == "single" && $4 == "all rotations" { all[$1] = $6 }
     ($2 == "elastic" || $2 == "plastic") && $4 == "match" && $3 ~ /polar/ { match_most[of] = match_most[of] > $6 ? match_most[of] : $6 }
-    $2 == "schedule" && $4 == "fixed part" { fixed[of] = $5 }
-    $2 == "schedule" && $4 == "longest stretch" { c++
-        if (20 * $6 > fixed[of]) { print "more than 5 % of the fixed part (" fixed[of] "): " $0; bad = 1 } }
+    $2 == "bound" || $4 == "longest stretch" { c++
+        if ($6 > 100000) { print "a chunk of more than 100,000 instructions: " $0; bad = 1 } }
     END { for (of in match_most) { split(of, b, "; "); p++
               bound = still[of] + vertices[of] * all[b[1]]
               if (match_most[of] > bound) { print "beyond its bound " bound ": match, " of ": " match_most[of]; bad = 1 } }
-          if (n != 32 || c != 8 || p != 4) { print "rows are missing: " n " fixed, " c " stretches, " p " bounds"; bad = 1 }
+          if (n != 32 || c < 50 || p != 4) { print "rows are missing: " n " fixed, " c " chunks, " p " bounds"; bad = 1 }
           exit bad }' "$new" || exit 1
 
 # The bound that docs/TIMING.md derives holds for what was measured, and is not far above it.

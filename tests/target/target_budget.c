@@ -16,8 +16,7 @@
 #define TARGET_TWIN_TICKS 250u           /* so long a twin without a clock goes along */
 #define TARGET_ALL_TICKS 25u /* ticks of a case from which on all cases run, with fewer the first TARGET_FIRST */
 #define TARGET_FIRST 8u
-#define TARGET_SHARE_PART 16u /* the same where searches of an open target or contact open more */
-#define TARGET_SHARE 20u      /* a chunk is at most one in so many parts of an iteration's fixed part */
+#define TARGET_CHUNK_NS 100000u /* no chunk takes more instructions */
 
 /* What a run through the schedule showed. */
 typedef struct target_times {
@@ -152,9 +151,7 @@ static int target_judge(const target_scene *scene, target_clock *clock, uint32_t
     return target_ok("the same bits", cut.hash == whole.hash) &&
            target_ok("whole ticks with a long budget, partial ones with a short one",
                      whole.partial == 0u && cut.partial > 0u) &&
-           target_ok("a chunk is a small part of the fixed part",
-                     (scene->what->part || scene->what->more ? TARGET_SHARE_PART : TARGET_SHARE) * clock->longest <=
-                         whole.fixed) &&
+           target_ok("the longest chunk", clock->longest <= TARGET_CHUNK_NS) &&
            target_ok("at most a chunk beyond the short budget",
                      cut.longest <= TARGET_BUDGET_NS + clock->longest + TARGET_READING_NS) &&
            target_ok("at most a chunk beyond random budgets", random.over <= clock->longest + TARGET_READING_NS) &&

@@ -1,7 +1,7 @@
 /* target_steps.c: cost of an iteration on an emulated board, in instructions: by phase and by step for fixed work,
- * the longest pieces that a budget cannot cut, and single searches and decompositions; for surfaces and an image,
- * rigid and polar. Prints the table of tests/timing/results. The command line says how many nanoseconds an
- * instruction takes.
+ * the longest pieces that a budget cannot cut and their bounds, and single searches and decompositions; for surfaces
+ * and an image, rigid and polar. Prints the table of tests/timing/results. The command line says how many nanoseconds
+ * an instruction takes.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
@@ -14,6 +14,7 @@
 #define TARGET_SAMPLES 2000u
 #define TARGET_SWEEPS 4u /* of smr_polar() */
 #define TARGET_NODES 64u
+#define TARGET_BLIND_NODES 256u /* nodes that a blind search may open: more than one stretch */
 
 /* ns that a statement takes, and the reading. */
 #define TARGET_COST(clock, statement, ns)                                                                              \
@@ -172,6 +173,33 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     return 1;
 }
 
+/* Searches that accept next to no triangle open all nodes that they may: the longest stretch of an iteration. */
+static int target_blind(const target_scene *scene, target_clock *clock)
+{
+    const smr_port port = {clock, 1u, NULL, target_now};
+    smr_config config = target_stay(scene, 1);
+    smr_tick_report report;
+    smr_status status;
+    config.forces.normal_deg = 1.0f;
+    config.forces.node_budget = TARGET_BLIND_NODES;
+    smr *s = target_start(scene, &config, &port, 0);
+    if (s == NULL || smr_set_active(s, SMR_ALL) != SMR_OK)
+        return 0;
+    target_forget(clock);
+    (void)target_tick(s, clock, TARGET_ENDLESS, &report, &status);
+    target_row("blind", scene->what->name, "longest stretch", 0, target_instructions(clock->longest));
+    return status == SMR_OK;
+}
+
+/* The bound of each step's tasks, or of a stretch of tasks that count their work. */
+static void target_bounds(const target_scene *scene)
+{
+    for (uint32_t i = 0; i < smr_n_steps; i++) {
+        const uint64_t cost = smr_steps[i].cost > 0u ? smr_steps[i].cost : SMR_WORK_MOST;
+        target_step_row("bound", scene->what->name, i, NULL, cost * target_ns_per_instruction);
+    }
+}
+
 /* One polar decomposition: its cost depends on how many of its rotations have nothing left to do. Measured without
  * any, for the most expensive of many, and with all of them. Then a closest-point search that finds nothing, per node
  * that it may open and per triangle. */
@@ -228,8 +256,12 @@ int main(void)
             !target_ok("still", target_still(&scene, &clock)) ||
             !target_ok("stretches", target_stretches(&scene, &clock)))
             return 1;
-        if (i == 0u)
+        if (i == 0u) {
+            if (!target_ok("blind", target_blind(&scene, &clock)))
+                return 1;
             target_singles(&scene, &clock);
+            target_bounds(&scene);
+        }
     }
     return 0;
 }

@@ -2,12 +2,27 @@
 # bound: how long the fixed part of an iteration takes at most, in instructions, from the table of this folder.
 # SPDX-License-Identifier: MIT
 # usage: sh tests/timing/bound.sh m7|m55 surface|image rigid|polar VERTICES TRIANGLES INDEXES [NODE_BUDGET]
+#        sh tests/timing/bound.sh m7|m55 chunks [VERTICES]     the bound of each step's tasks, and the longest stretch of tasks seen
 #   VERTICES, TRIANGLES and INDEXES (per cluster, of one radius) as `smr info MODEL.smr` prints them
 # Every step takes so much for each vertex, triangle, or vertex and index: the dearer of the two models that were measured. See
 # docs/TIMING.md.
 set -u
 table=${SMR_TIMING_TABLE:-tests/timing/results/boards.txt}
-[ $# -ge 6 ] || { sed -n '4,5s/^# //p' "$0"; exit 2; }
+if [ "${2:-}" = chunks ]; then
+    awk -f tests/timing/table.awk "$table" | awk -F '; ' -v board="$1" -v n="${3:-10000}" '
+        $1 != board { next }
+        { step = $3; sub(/.*, /, "", step) }
+        $2 == "bound" { name[step] = $4; bound[step] = $6; steps[++k] = step }
+        $2 == "longest" && $6 > seen[step] + 0 { seen[step] = $6 }
+        $2 == "longest" && $4 == "becoming current" { step = $3; sub(/,.*/, "", step); if ($6 / vertices[step] > pass) pass = $6 / vertices[step] }
+        $2 == "model" && $4 == "vertices, triangles" { vertices[$3] = $5 }
+        ($2 == "schedule" || $2 == "blind") && $4 == "longest stretch" && $6 > most { most = $6 }
+        END { for (i = 1; i <= k; i++) printf "    %-26s %7d a task at most%s\n", name[steps[i]], bound[steps[i]],
+                  (steps[i] in seen) ? sprintf(", %6d seen in a stretch", seen[steps[i]]) : ""
+              printf "longest stretch seen %d; the pass that makes an iteration current: %.0f a vertex, %.0f for %d vertices\n", most, pass, n * pass, n }'
+    exit
+fi
+[ $# -ge 6 ] || { sed -n '4,6s/^# //p' "$0"; exit 2; }
 awk -f tests/timing/table.awk "$table" | awk -F '; ' -v board="$1" -v kind="$2" -v method="$3" -v n="$4" -v nt="$5" -v per="$6" -v nodes="${7:-512}" '
     /^#/ || $1 != board { next }
     $2 == "model" && $4 == "vertices, triangles" { vertices[$3] = $5; triangles[$3] = $6 }
@@ -23,14 +38,14 @@ awk -f tests/timing/table.awk "$table" | awk -F '; ' -v board="$1" -v kind="$2" 
     function each(step,   s, m) {
         s = cost["surface " method, step] / vertices["surface " method]
         m = cost["image " method, step] / vertices["image " method]
-        if (kind == "surface" && name[step] ~ /evening|positions|facets/) return s
-        if (kind == "image" && name[step] ~ /evening|positions|facets/) return m
+        if (kind == "surface" && name[step] ~ /evening|positions|facets|upper/) return s
+        if (kind == "image" && name[step] ~ /evening|positions|facets|upper/) return m
         return s > m ? s : m }
     function each_triangle(step,   s, m) {
         s = cost["surface " method, step] / triangles["surface " method]
         m = cost["image " method, step] / triangles["image " method]
-        if (kind == "surface" && name[step] ~ /evening|facets/) return s
-        if (kind == "image" && name[step] ~ /evening|facets/) return m
+        if (kind == "surface" && name[step] ~ /evening|facets|upper/) return s
+        if (kind == "image" && name[step] ~ /evening|facets|upper/) return m
         return s > m ? s : m }
     # so much a vertex and so much an index: from two models
     function forest(step,   s, m, vs, vm, is, im, a, b, c) {
@@ -50,7 +65,7 @@ awk -f tests/timing/table.awk "$table" | awk -F '; ' -v board="$1" -v kind="$2" 
             else if (name[step] == "match" && method == "polar")
                 { printf "    %-24s %9.1f a vertex\n", name[step], still["surface polar"] / vertices["surface polar"] + rotations
                   sum += n * (still["surface polar"] / vertices["surface polar"] + rotations) }
-            else if (name[step] ~ /(facets|folds|sums)/) {
+            else if (name[step] ~ /(facets|upper|folds|sums)/) {
                 printf "    %-24s %9.1f a triangle\n", name[step], each_triangle(step); sum += nt * each_triangle(step) }
             else { printf "    %-24s %9.1f a vertex\n", name[step], each(step); sum += n * each(step) }
         }

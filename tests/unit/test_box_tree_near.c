@@ -75,7 +75,7 @@ TEST(knowing_other_triangles_changes_no_bit)
             static smr_certainty known;
             if (i % 30u == 0u)
                 q = unit_query(&r, &m, i / 30u);
-            known = (smr_certainty){i % 2u == 0u ? 0.1f : 0.0f, i % 30u == 0u ? 0.0f : known.other_mm, 0};
+            known = (smr_certainty){i % 2u == 0u ? 0.1f : 0.0f, i % 30u == 0u ? 0.0f : known.other_mm, 0, NULL};
             smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}}, plain = hit;
             smr_near_list near, all;
             smr_tree_near(&f, &q, &hit, &near, &known);

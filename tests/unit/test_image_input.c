@@ -158,12 +158,12 @@ TEST(test_abandoned)
             smr_tick_report report;
             c.basic.method = method;
             c.basic.iterations = c.basic.iterations_last = 3;
-            const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+            const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 50000);
             smr *s = rig_init(model, &c, &port);
             assert_int_equal(SMR_OK, smr_set_volume(s, &first));
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
             if (cut > 0u)
-                status = smr_tick(s, 1000u * (uint64_t)cut, &report);
+                status = smr_tick(s, 50000u * (uint64_t)cut, &report);
             assert_int_equal(SMR_OK, smr_set_volume(s, &second));
             (void)rig_run(s, 100);
             if (cut == 0u)

@@ -193,16 +193,18 @@ TEST(arena_is_as_stated)
     const double polar = (arena(2 * N, 1, SMR_METHOD_POLAR, 0, 1) - arena(N, 1, SMR_METHOD_POLAR, 0, 1)) / N;
     const double many = arena(N, 64, SMR_METHOD_RIGID, 0, 1);
     const double structure = (arena(N, 128, SMR_METHOD_RIGID, 0, 1) - many) / 64.0;
-    const double worker = (arena(N, 1, SMR_METHOD_RIGID, 64, 2) - arena(N, 1, SMR_METHOD_RIGID, 64, 1)) / N;
+    const double place = arena(N, 1, SMR_METHOD_RIGID, 0, 2) - least;
+    const double worker = (arena(N, 1, SMR_METHOD_RIGID, 64, 2) - arena(N, 1, SMR_METHOD_RIGID, 64, 1) - place) / N;
     const double tally = rows(section, "32 vertices, a tally") / 32.0;
     agrees("a vertex, rigid", vertex - tally, stated(section, "In all a vertex takes"));
     agrees("a vertex, the table's rows", vertex - tally, rows(section, "vertex"));
     agrees("a vertex, polar", polar - tally, stated(section, "of the arena (rigid) or"));
     agrees("a vertex more with polar, the table's row", polar - vertex, rows(section, "vertex, polar"));
     agrees("a structure", structure, rows(section, "structure"));
+    agrees("a worker", place, rows(section, "worker"));
     agrees("a worker and vertex", worker, rows(section, "vertex and worker"));
     agrees("a worker and vertex, in the sentence", worker, stated(section, "and each worker"));
-    agrees("a registration, to the next 64 bytes", many - N * vertex - 64.0 * structure,
+    agrees("a registration, to the next 64 bytes", many - N * vertex - 64.0 * structure - place,
            64.0 * (double)(int)((rows(section, "registration") + 63.0) / 64.0));
     assert_int_equal(misses, 0);
 }

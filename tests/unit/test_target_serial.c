@@ -134,7 +134,7 @@ TEST(test_replays)
 {
     scene e = make(SMR_TRACK_RECOVER);
     rig_clock clock = {0};
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 50000);
     smr *s = rig_init(e.model, &e.config, &port);
     unsigned char *log = rig_alloc(LOG);
     uint32_t partial = 0, serial[200], recovering[200], n = 0;
@@ -143,7 +143,7 @@ TEST(test_replays)
     for (uint32_t i = 0; i < 200u; i++) {
         if (i % 21u == 0u)
             assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, e.at[i % 3u]));
-        partial += smr_tick(s, i < 100u ? 0u : 20000u + 700u * (i % 30u), &r) == SMR_PARTIAL;
+        partial += smr_tick(s, i < 100u ? 0u : 1000000u + 35000u * (i % 30u), &r) == SMR_PARTIAL;
         serial[i] = r.details.target_serial;
         recovering[i] = r.details.recovering;
     }

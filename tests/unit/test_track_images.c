@@ -75,10 +75,10 @@ TEST(test_replays)
     rig_clock clock = {0};
     uint32_t partial = 0;
     e.config.partial.n_landmarks = MARKS;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 50000);
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
-    sequence(&e, s, 60000);
+    sequence(&e, s, 3000000);
     assert_int_equal(1, s->schedule.tracking);
     assert_int_equal(SMR_IMAGE_PAST, s->schedule.image_age);
     smr *again = rig_init(e.model, &e.config, NULL);

@@ -10,7 +10,7 @@ smr *unit_log_begin(const unit_log *u, const smr_port *port) { return rig_init(u
 static void ticks(smr *s, uint32_t n, uint32_t *seed)
 {
     for (uint32_t i = 0; i < n; i++)
-        (void)smr_tick(s, 100u * (100u + rig_random(seed, 900)), NULL);
+        (void)smr_tick(s, 5000u * (100u + rig_random(seed, 900)), NULL);
 }
 
 /* The ball, its targets, the model and what both recordings have of the configuration. */
@@ -43,7 +43,7 @@ void unit_log_make(unit_log *u)
 {
     const smr_pose pose = {{{1, 0, 0, 1.5f}, {0, 1, 0, -0.5f}, {0, 0, 1, 0}}};
     rig_clock clock;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 35000);
     uint32_t seed = 5;
     make_scene(u);
     smr *s = unit_log_begin(u, &port);

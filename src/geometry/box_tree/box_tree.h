@@ -117,6 +117,8 @@ static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle
     return group == 0u || (mask->use != NULL && mask->use[group] == 0u);
 }
 
+struct smr_pause;
+
 /* What a search knows of the triangles that it did not find. With it the next search from a point nearby ends at once
  * while no other triangle can have become the closest one. The result has the same bits. */
 typedef struct smr_certainty {
@@ -125,17 +127,8 @@ typedef struct smr_certainty {
     float other_mm; /* in: all triangles but q->warm, accepted or not, are at least this far away, mm; 0: unknown; out:
                      * the same of all but hit->triangle */
     uint32_t sure;  /* out: 1: q->warm is the closest triangle without a search; other_mm is as before */
+    struct smr_pause *pause; /* limits the work of the search; NULL: no limit */
 } smr_certainty;
-
-/* Measures triangle i, unless q or the mask leaves it out: updates *hit when the triangle is closer, or as close with a
- * smaller rank. mask NULL: none is left out. */
-void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit);
-
-/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched;
- * known NULL: nothing is known of other triangles. */
-void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
-void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
-                          smr_certainty *known);
 
 #define SMR_NEAR_MOST 24u /* largest number of triangles in a smr_near_list: more than usually meet at a vertex */
 
@@ -153,9 +146,59 @@ typedef struct smr_near_list {
     smr_near item[SMR_NEAR_MOST];
 } smr_near_list;
 
+/* Squared lower bounds, mm^2, of distances to triangles. */
+typedef struct smr_bounds {
+    float other2;               /* of all triangles tested or of nodes left aside, but the closest one */
+    float lane[SMR_TREE_WIDTH]; /* of all nodes that were never pushed, by the number of the child */
+    float best2;                /* of the closest triangle, where a leaf showed it; else FLT_MAX */
+    float reach2;               /* nodes within this distance are opened for other2 */
+} smr_bounds;
+
+#define SMR_ENDLESS UINT32_MAX /* work without a limit */
+
+/* Variables of a search. */
+typedef struct smr_walk {
+    uint32_t top;    /* number of nodes on the stack */
+    uint32_t opened; /* number of opened nodes that could hold a closer triangle */
+    uint32_t ties;   /* number of nodes taken off the stack that are as far away as the closest triangle so far */
+    uint32_t beyond; /* number of nodes opened only for other2 */
+    smr_hit warm;    /* the query's warm triangle, if measured */
+    smr_bounds b;
+} smr_walk;
+
+/* A limit of work, in instructions of a Cortex-M7 at most, and the state of a search that stopped there. */
+typedef struct smr_pause {
+    uint32_t left;      /* work that may still be done; SMR_ENDLESS: no limit */
+    uint32_t after;     /* work that must be left when a search ends, for the use of its result */
+    uint32_t kept;      /* 1: work ended within a task, which the next call for it continues */
+    uint32_t in_search; /* 1: work ended within a search; the members below are its state */
+    smr_walk walk;
+    smr_hit hit; /* the closest triangle so far */
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_near_list list;
+} smr_pause;
+
+/* Counts work that was done. */
+static inline void smr_work(smr_pause *pause, uint32_t work)
+{
+    if (pause->left != SMR_ENDLESS)
+        pause->left -= smr_min_u32(work, pause->left);
+}
+
+/* Measures triangle i, unless q or the mask leaves it out: updates *hit when the triangle is closer, or as close with a
+ * smaller rank. mask NULL: none is left out. */
+void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit);
+
+/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched;
+ * known NULL: nothing is known of other triangles. Return 0 when known->pause ended the work: the same call
+ * continues. */
+int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
+int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
+                         smr_certainty *known);
+
 /* Finds the closest acceptable triangle, and all triangles less than a tenth farther and nearer than list->cut2. Shares
- * fall to 0 at that limit, so that rounding does not decide between equally close triangles. */
-void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list, smr_certainty *known);
+ * fall to 0 at that limit, so that rounding does not decide between equally close triangles. Returns as above. */
+int smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list, smr_certainty *known);
 /* Returns the point, mm, of a triangle with these barycentric weights. */
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3]);
 /* Writes order[n], the mesh's triangle indexes in tree order. Scratch: centre [n][3], key [n], tmp [2 n]. */

@@ -75,15 +75,10 @@ void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
 #define SMR_TIES 64u         /* most nodes opened whose boxes are exactly as far away as the closest triangle so far */
 #define SMR_BEYOND 24u       /* most nodes opened only for a lower bound of the distance to other triangles */
 #define SMR_ROUNDING 2.0e-6f /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */
-#define SMR_SURELY 1.00001f  /* factor on a distance, so that rounding does not make a triangle surely the closest */
-
-/* Squared lower bounds, mm^2, of distances to triangles. */
-typedef struct bounds {
-    float other2;               /* of all triangles tested or of nodes left aside, but the closest one */
-    float lane[SMR_TREE_WIDTH]; /* of all nodes that were never pushed, by the number of the child */
-    float best2;                /* of the closest triangle, where a leaf showed it; else FLT_MAX */
-    float reach2;               /* nodes within this distance are opened for other2 */
-} bounds;
+#define SMR_WORK_VISIT 30u   /* work of a node that is taken off the stack */
+#define SMR_WORK_NODE 900u   /* work of a node that is opened, and of triangles that its tests leave out */
+#define SMR_WORK_TRIANGLE 600u /* work of a triangle that is measured */
+#define SMR_SURELY 1.00001f    /* factor on a distance, so that rounding does not make a triangle surely the closest */
 
 /* Returns a lower bound of the squared distance to triangle i, measured as d2. Rounding may put the measured point
  * beside the closest one, in a sliver far beside it. box_d2: squared distance to the triangle's box. */
@@ -98,14 +93,14 @@ static float least_of(const smr_box_tree *f, const smr_query *q, uint32_t i, flo
 }
 
 /* Sets how far nodes are opened for other2 beyond the closest triangle found so far. */
-static void set_reach(bounds *b, const smr_hit *hit, const smr_certainty *known)
+static void set_reach(smr_bounds *b, const smr_hit *hit, const smr_certainty *known)
 {
     const float reach = SMR_SQRT(hit->d2) + known->slack_mm;
     b->reach2 = hit->triangle != SMR_NONE ? reach * reach : 0.0f;
 }
 
 /* Sets the bounds before the first node is opened. */
-static void start_bounds(bounds *b, const smr_hit *hit, const smr_certainty *known)
+static void start_bounds(smr_bounds *b, const smr_hit *hit, const smr_certainty *known)
 {
     b->other2 = b->best2 = FLT_MAX;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
@@ -115,7 +110,7 @@ static void start_bounds(bounds *b, const smr_hit *hit, const smr_certainty *kno
 
 /* Lowers the bounds by triangle i, measured at d2; before: the closest triangle so far. box_d2: as in least_of(). */
 static void note_other(const smr_box_tree *f, const smr_query *q, uint32_t i, float d2, float box_d2, uint32_t before,
-                       const smr_hit *hit, const smr_certainty *known, bounds *b)
+                       const smr_hit *hit, const smr_certainty *known, smr_bounds *b)
 {
     if (hit->triangle != i) {
         if (box_d2 < b->other2)
@@ -129,11 +124,13 @@ static void note_other(const smr_box_tree *f, const smr_query *q, uint32_t i, fl
     b->best2 = least_of(f, q, i, d2, box_d2);
 }
 
-/* Tests the triangles in the children `near` of a leaf, whose first triangle is `first`. warm: q->warm, if measured. */
-static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t first,
-                        uint32_t near, const float box_d2[SMR_TREE_WIDTH], const smr_hit *warm, smr_hit *hit,
-                        float widen, smr_near_list *list, bounds *b, const smr_certainty *known)
+/* Tests the triangles in the children `near` of a leaf, whose first triangle is `first`. warm: q->warm, if measured.
+ * Returns the number of triangles in `near` that were tested. */
+static uint32_t search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t first,
+                            uint32_t near, const float box_d2[SMR_TREE_WIDTH], const smr_hit *warm, smr_hit *hit,
+                            float widen, smr_near_list *list, smr_bounds *b, const smr_certainty *known)
 {
+    uint32_t n = 0;
     for (; near != 0u; near &= near - 1u) {
         const uint32_t k = (uint32_t)__builtin_ctz(near), before = hit->triangle;
         const int wanted =
@@ -141,6 +138,7 @@ static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const 
         smr_hit found = {0.0f, first + k, {0, 0, 0}};
         if (!wanted && (known == NULL || found.triangle >= f->n_triangles))
             continue;
+        n++;
         if (found.triangle == warm->triangle)
             found = *warm;
         else
@@ -150,6 +148,7 @@ static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const 
         if (known != NULL)
             note_other(f, q, found.triangle, found.d2, box_d2[k], before, hit, known, b);
     }
+    return n;
 }
 
 /* Tries q->warm, and stores its closest point. Returns 1 when no other triangle can be closer, or within `widen` times
@@ -175,7 +174,7 @@ static inline void note_left(float lane[SMR_TREE_WIDTH], const float d2[SMR_TREE
 }
 
 /* Returns the lower bound of the distance to all triangles but the closest one, mm. */
-static float other_of(const bounds *b)
+static float other_of(const smr_bounds *b)
 {
     float other2 = b->other2;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
@@ -183,74 +182,129 @@ static float other_of(const bounds *b)
     return SMR_SQRT(other2);
 }
 
+/* Returns 1 when the query's warm triangle is the closest one, or the point is that of a forged model: NaN or as far as
+ * empty boxes. No search is needed then. */
+static int ends_at_once(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
+                        smr_near_list *list, smr_certainty *known, smr_hit *warm)
+{
+    if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
+        return 1;
+    if ((known != NULL && known->pause != NULL && known->pause->in_search) ||
+        !warm_is_sure(f, mask, q, hit, widen, known, warm))
+        return 0;
+    known->sure = 1;
+    if (list != NULL)
+        add_near(list, q->warm, hit->d2, hit->weight);
+    return 1;
+}
+
+/* Returns the work after which a search stops. */
+static uint32_t most_of(const smr_pause *pause)
+{
+    if (pause == NULL || pause->left == SMR_ENDLESS)
+        return SMR_ENDLESS;
+    return pause->left > pause->after ? pause->left - pause->after : 0u;
+}
+
+/* Counts the work of a search. Returns 1, and copies the search to *pause, when it stops. list NULL: no list. */
+static int stops(smr_pause *pause, uint32_t work, uint32_t most, const smr_walk *w, const smr_visit *stack,
+                 const smr_hit *hit, const smr_near_list *list)
+{
+    smr_work(pause, work);
+    if (work < most)
+        return 0;
+    pause->in_search = pause->kept = 1;
+    pause->walk = *w;
+    pause->hit = *hit;
+    memcpy(pause->stack, stack, w->top * sizeof *stack);
+    if (list != NULL)
+        memcpy(&pause->list, list, offsetof(smr_near_list, item) + list->n * sizeof *list->item);
+    return 1;
+}
+
+/* Copies a search that stopped back. Returns 0 when there is none. */
+static int resume(smr_pause *pause, smr_walk *w, smr_visit *stack, smr_hit *hit, smr_near_list *list)
+{
+    if (pause == NULL || !pause->in_search)
+        return 0;
+    pause->in_search = pause->kept = 0;
+    *w = pause->walk;
+    *hit = pause->hit;
+    memcpy(stack, pause->stack, w->top * sizeof *stack);
+    if (list != NULL)
+        memcpy(list, &pause->list, offsetof(smr_near_list, item) + pause->list.n * sizeof *list->item);
+    return 1;
+}
+
 /* Finds the closest triangle for *hit. Boxes and triangles within `widen` (1 or more) times the squared distance of
- * *hit are also tested and enter the list. list NULL: only the closest triangle is wanted. */
-static void search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
-                   smr_near_list *list, smr_certainty *known)
+ * *hit are also tested and enter the list. list NULL: only the closest triangle is wanted. Returns 0 when known->pause
+ * ended the work. */
+static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
+                  smr_near_list *list, smr_certainty *known)
 {
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
-    smr_hit warm = {0.0f, SMR_NONE, {0, 0, 0}};
-    bounds b;
-    uint32_t top = 0, opened = 0, ties = 0, beyond = 0;
-    if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
-        return; /* the position, of a forged model, is NaN or as far as empty boxes */
-    if (warm_is_sure(f, mask, q, hit, widen, known, &warm)) {
-        known->sure = 1;
-        if (list != NULL)
-            add_near(list, q->warm, hit->d2, hit->weight);
-        return;
-    }
-    b.reach2 = 0.0f;
+    smr_walk w = {.top = 1, .warm.triangle = SMR_NONE};
+    smr_pause *const pause = known != NULL ? known->pause : NULL;
+    const uint32_t most = most_of(pause);
+    uint32_t work = 0;
+    if (ends_at_once(f, mask, q, hit, widen, list, known, &w.warm))
+        return 1;
     if (known != NULL && known->slack_mm < 0.0f) {
         known->other_mm = 0.0f;
         known = NULL;
     }
-    if (known != NULL)
-        start_bounds(&b, hit, known);
-    stack[top++] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
-    while (top > 0u && opened < q->node_budget) {
-        const smr_visit v = stack[--top];
+    stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
+    if (!resume(pause, &w, stack, hit, list) && known != NULL)
+        start_bounds(&w.b, hit, known);
+    while (w.top > 0u && w.opened < q->node_budget && work < most) {
+        const smr_visit v = stack[--w.top];
         const int farther = v.d2 > hit->d2 * widen; /* no triangle in the node is closer: its boxes only limit other2 */
-        if (farther ? v.d2 > b.reach2 || beyond++ >= SMR_BEYOND
-                    : v.d2 == hit->d2 && hit->triangle != SMR_NONE && ++ties > SMR_TIES) {
+        work += SMR_WORK_VISIT;
+        if (farther ? v.d2 > w.b.reach2 || w.beyond++ >= SMR_BEYOND
+                    : v.d2 == hit->d2 && hit->triangle != SMR_NONE && ++w.ties > SMR_TIES) {
             if (known != NULL)
-                b.other2 = smr_min(b.other2, v.d2);
+                w.b.other2 = smr_min(w.b.other2, v.d2);
             continue;
         }
-        opened += !farther;
+        w.opened += !farther;
+        work += SMR_WORK_NODE;
         float d2[SMR_TREE_WIDTH];
         const smr_node *node = &f->node[f->level[v.level] + v.index];
-        const float reach2 = smr_max(hit->d2 * widen, b.reach2);
+        const float reach2 = smr_max(hit->d2 * widen, w.b.reach2);
         const uint32_t near = smr_box_distances(node, q->point, reach2, d2), base = v.index * SMR_TREE_WIDTH;
         if (known != NULL)
-            note_left(b.lane, d2, reach2);
+            note_left(w.b.lane, d2, reach2);
         if (v.level == 0u)
-            search_leaf(f, mask, q, base, near, d2, &warm, hit, widen, list, &b, known);
+            work += SMR_WORK_TRIANGLE * search_leaf(f, mask, q, base, near, d2, &w.warm, hit, widen, list, &w.b, known);
         else
-            top = smr_push_near(near, d2, (smr_visit){0.0f, v.level - 1u, base}, stack, top);
+            w.top = smr_push_near(near, d2, (smr_visit){0.0f, v.level - 1u, base}, stack, w.top);
     }
+    if (most != SMR_ENDLESS && stops(pause, work, most, &w, stack, hit, list))
+        return 0;
     if (known != NULL)
-        known->other_mm = top == 0u ? other_of(&b) : 0.0f;
-    while (list != NULL && top > 0u) /* the node budget is used up: the nearest unopened box ends the list */
-        list->cut2 = smr_min(list->cut2, stack[--top].d2);
+        known->other_mm = w.top == 0u ? other_of(&w.b) : 0.0f;
+    while (list != NULL && w.top > 0u) /* the node budget is used up: the nearest unopened box ends the list */
+        list->cut2 = smr_min(list->cut2, stack[--w.top].d2);
+    return 1;
 }
 
-void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
+int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
 {
-    search(f, NULL, q, hit, 1.0f, NULL, NULL);
+    return search(f, NULL, q, hit, 1.0f, NULL, NULL);
 }
 
-void smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
-                          smr_certainty *known)
+int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
+                         smr_certainty *known)
 {
-    search(f, mask, q, hit, 1.0f, NULL, known);
+    return search(f, mask, q, hit, 1.0f, NULL, known);
 }
 
-void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list, smr_certainty *known)
+int smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list, smr_certainty *known)
 {
     list->n = 0;
     list->cut2 = FLT_MAX;
-    search(f, NULL, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list, known);
+    if (!search(f, NULL, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list, known))
+        return 0;
     if (hit->triangle == SMR_NONE)
         list->n = 0; /* all triangles of the list lie just beyond the search distance */
     const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
@@ -265,7 +319,8 @@ void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_
     for (uint32_t i = 0; i < list->n; i++)
         list->item[i].share /= total > 0.0f ? total : 1.0f;
     if (total > 0.0f || hit->triangle == SMR_NONE)
-        return;
+        return 1;
     list->n = 1; /* no share is above 0 (distance 0, ties, normals barely accepted): the closest triangle gets all */
     list->item[0] = (smr_near){1.0f, hit->d2, hit->triangle, {hit->weight[0], hit->weight[1], hit->weight[2]}};
+    return 1;
 }

@@ -27,15 +27,15 @@ smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value
     return smr_scale(value, 1.0f / row[i]);
 }
 
-void smr_solve_forward(float *lower, uint32_t n, float *y)
+void smr_solve_rows_forward(float *lower, SMR_UNUSED uint32_t n, uint32_t first, uint32_t last, float *y)
 {
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = first; i < last; i++)
         y[i] = smr_solve_row(smr_factor_row(lower, i), i, y, y[i]);
 }
 
-void smr_solve_back(float *lower, uint32_t n, float *y)
+void smr_solve_rows_back(float *lower, SMR_UNUSED uint32_t n, uint32_t first, uint32_t last, float *y)
 {
-    for (uint32_t i = n; i-- > 0u;) {
+    for (uint32_t i = last; i-- > first;) {
         const float *const row = smr_factor_row(lower, i);
         y[i] /= row[i];
         for (uint32_t k = 0; k < i; k++)
@@ -43,18 +43,22 @@ void smr_solve_back(float *lower, uint32_t n, float *y)
     }
 }
 
-void smr_solve_forward3(float *lower, uint32_t n, float *y)
+void smr_solve_rows_forward3(float *lower, SMR_UNUSED uint32_t n, uint32_t first, uint32_t last, float *y)
 {
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = first; i < last; i++)
         smr_put3(y, i, smr_solve_row3(smr_factor_row(lower, i), i, y, smr_get3(y, i)));
 }
 
-void smr_solve_back3(float *lower, uint32_t n, float *y)
+void smr_solve_rows_back3(float *lower, uint32_t n, uint32_t first, uint32_t last, float *y)
 {
-    for (uint32_t i = n; i-- > 0u;) {
+    for (uint32_t i = last; i-- > first;) {
         smr_vec left = smr_get3(y, i);
         for (uint32_t k = i + 1u; k < n; k++)
             left = smr_sub(left, smr_scale(smr_get3(y, k), smr_factor_row(lower, k)[i]));
         smr_put3(y, i, smr_scale(left, 1.0f / smr_factor_row(lower, i)[i]));
     }
 }
+
+void smr_solve_forward(float *lower, uint32_t n, float *y) { smr_solve_rows_forward(lower, n, 0, n, y); }
+void smr_solve_back(float *lower, uint32_t n, float *y) { smr_solve_rows_back(lower, n, 0, n, y); }
+void smr_solve_forward3(float *lower, uint32_t n, float *y) { smr_solve_rows_forward3(lower, n, 0, n, y); }

@@ -23,6 +23,9 @@ smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value
 
 /* Replace y[n], in functions named ...3 y[n][3], by L^-1 y (forward) or L^-T y (back). lower: the factor L. */
 typedef void smr_solver(float *lower, uint32_t n, float *y);
-smr_solver smr_solve_forward, smr_solve_back, smr_solve_forward3, smr_solve_back3;
+smr_solver smr_solve_forward, smr_solve_back, smr_solve_forward3;
+/* The same for rows first .. last - 1 alone, forward after all rows before, back after all rows behind. */
+typedef void smr_solver_of_rows(float *lower, uint32_t n, uint32_t first, uint32_t last, float *y);
+smr_solver_of_rows smr_solve_rows_forward, smr_solve_rows_back, smr_solve_rows_forward3, smr_solve_rows_back3;
 
 #endif

@@ -74,17 +74,17 @@ static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 }
 
 /* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0.
- * known: what the last search knew of other triangles; NULL: nothing. */
-static inline void smr_surface_search_known(const smr_surface *s, const unsigned char *use, const smr_query *q,
-                                            smr_hit *hit, smr_certainty *known)
+ * known: what the last search knew of other triangles; NULL: nothing. Returns as smr_tree_closest_but(). */
+static inline int smr_surface_search_known(const smr_surface *s, const unsigned char *use, const smr_query *q,
+                                           smr_hit *hit, smr_certainty *known)
 {
     const smr_tree_mask mask = {s->work.body, use};
-    smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit, known);
+    return smr_tree_closest_but(&s->tree, use != NULL || s->n_fragment > 0u ? &mask : NULL, q, hit, known);
 }
 
 static inline void smr_surface_search(const smr_surface *s, const unsigned char *use, const smr_query *q, smr_hit *hit)
 {
-    smr_surface_search_known(s, use, q, hit, NULL);
+    (void)smr_surface_search_known(s, use, q, hit, NULL);
 }
 
 #define SMR_GROUP_POINTS 8u /* most points of a group */
@@ -112,6 +112,9 @@ typedef struct smr_side {
 /* Finds the signed distance of q->point to the acceptable triangles within `most` mm. normal: [vertices][3] unit vertex
  * normals. Returns 0, with *side unchanged, when there is no such triangle. */
 int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side);
+/* The same with limited work: also returns 0 when the search stopped, with pause->kept. */
+int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const smr_query *q, float most,
+                               smr_pause *pause, smr_side *side);
 
 /* ---- surface_line.c ---- */
 

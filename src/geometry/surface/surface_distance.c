@@ -10,6 +10,7 @@
 #define SMR_SIDE_NEAR 0.1f    /* mm: below about this distance the direction is the interpolated vertex normal */
 #define SMR_SIDE_TIE 1.00001f /* triangles with squared distances within this factor share the closest edge or corner */
 #define SMR_SIDE_ZERO 1.0e-10f   /* mm^2: smaller squared distances count as 0 */
+#define SMR_WORK_SIDE 800u       /* instructions at most for a triangle that is nearly as close as the closest */
 #define SMR_STRAIGHT 3.14159265f /* rad: 180 degrees */
 
 /* Returns the arc cosine, rad, to 7e-5 (Abramowitz and Stegun, 4.4.45). */
@@ -52,11 +53,17 @@ static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *li
 
 int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side)
 {
+    return smr_signed_distance_within(f, normal, q, most, NULL, side);
+}
+
+int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const smr_query *q, float most,
+                               smr_pause *pause, smr_side *side)
+{
+    smr_certainty known = {-1.0f, 0.0f, 0, pause};
     smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};
     smr_near_list list;
     smr_vec from = smr_v(0, 0, 0), along = from;
-    smr_tree_near(f, q, &hit, &list, NULL);
-    if (hit.triangle == SMR_NONE)
+    if (!smr_tree_near(f, q, &hit, &list, &known) || hit.triangle == SMR_NONE)
         return 0;
     for (uint32_t i = 0; i < list.n; i++) {
         const smr_near *near = &list.item[i];
@@ -67,6 +74,8 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
     }
     const float sign = height_of(f, q->point, &list, hit.d2) < 0.0f ? -1.0f : 1.0f, distance = SMR_SQRT(hit.d2);
     const smr_vec direction = smr_add(smr_scale(from, sign), smr_scale(along, SMR_SIDE_NEAR));
+    if (pause != NULL)
+        smr_work(pause, list.n * SMR_WORK_SIDE);
     side->mm = sign * distance;
     side->out = smr_scale(direction, 1.0f / smr_max(smr_length(direction), 0.25f * (SMR_SIDE_NEAR + distance)));
     side->triangle = hit.triangle;

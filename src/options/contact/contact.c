@@ -23,6 +23,10 @@
 #define SMR_TRIANGLES_LAST 2u   /* number of last iterations that test triangles' centres; with more, vertices drift */
 #define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres is gap_mm plus this, mm */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
+#define SMR_WORK_PROBE 4000u /* instructions at most for a point of the surface, ... */
+#define SMR_WORK_BODY 40u    /* ... for a body, and for a triangle nearly as close as the closest */
+#define SMR_WORK_NEAR 800u
+#define SMR_PROJECT_CHUNK 64u /* number of vertices or triangles in a task of the projection */
 #define SMR_PROJECT_PASSES 3u /* number of passes of the projection over all contacts */
 
 static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.contact.n_fixed; }
@@ -137,11 +141,11 @@ void smr_contact_commit(smr_contact *c)
 static float ramp(float value, float from, float to) { return smr_clamp((value - from) / (to - from), 0.0f, 1.0f); }
 
 /* Writes the exit from inside a structure, through triangles that face the vertex, to *side. Returns a weight, 0..1. */
-static float face_out(const smr_box_tree *f, const float *normal, smr_query q, smr_side *side)
+static float face_out(const smr_box_tree *f, const float *normal, smr_query q, smr_pause *pause, smr_side *side)
 {
     const float nearest = -side->mm;
     q.min_cos = SMR_FACING_NONE;
-    if (!smr_signed_distance(f, normal, &q, SMR_CONTACT_DEEP, side) || side->mm > 0.0f)
+    if (!smr_signed_distance_within(f, normal, &q, SMR_CONTACT_DEEP, pause, side) || side->mm > 0.0f)
         return 0.0f;
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
@@ -152,22 +156,29 @@ typedef struct probe {
     uint32_t owner;     /* structure that the point belongs to */
 } probe;
 
-/* Writes the signed distance of a point to a body. Returns the contact's weight, 0..1; -1: body beyond `reach`. */
-static float side_of(const smr_contact *c, const probe *p, uint32_t body, float reach, smr_side *side)
+/* Writes the signed distance of a point to a body. Returns the contact's weight, 0..1; -1: body beyond `reach`. The
+ * result does not count when a search stopped. */
+static float side_of(const smr_contact *c, const probe *p, uint32_t body, float reach, smr_worker *w)
 {
+    smr_side *const side = &w->task.contact.side;
     smr_vec shift;
     const smr_box_tree *f = body_of(c, body, &shift);
     const int moves = body < c->shared->n_structures;
     const smr_surface *fixed = moves ? NULL : c->fixed[body - c->shared->n_structures].surface;
     const float *normal = moves ? c->shape->normal : fixed->normal;
     const smr_query q = {smr_sub(p->at, shift), p->inward, -2.0f, c->shared->config.forces.node_budget, SMR_NONE};
-    if (!smr_signed_distance(f, normal, &q, reach, side))
+    if (w->task.contact.leaves)
+        return face_out(f, normal, q, &w->pause, side);
+    if (!smr_signed_distance_within(f, normal, &q, reach, &w->pause, side))
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
-    if (side->mm < 0.0f) /* inside: the exit leads through triangles that face the vertex */
-        return smr_dot(smr_get3(f->normal, side->triangle), q.normal) > 0.0f ? 1.0f : face_out(f, normal, q, side);
-    return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
+    if (!(side->mm < 0.0f))
+        return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
+    if (smr_dot(smr_get3(f->normal, side->triangle), q.normal) > 0.0f)
+        return 1.0f;
+    w->task.contact.leaves = 1; /* inside: the exit leads through triangles that face the vertex */
+    return face_out(f, normal, q, &w->pause, side);
 }
 
 /* Adds a contact to touch[n], which keeps the n deepest contacts in the order of their bodies. */
@@ -188,41 +199,58 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
     touch[n - 1u] = *more;
 }
 
-/* Writes the n deepest contacts of a point with bodies within `reach`. Returns a lower bound on their distance, mm. */
-static float look(const smr_contact *c, const probe *p, float reach, smr_touch *touch, uint32_t n)
+/* Adds the contact with a body, of this weight, to touch[n]. */
+static void note(const smr_contact *c, uint32_t body, float counts, smr_worker *w, smr_touch *touch, uint32_t n)
 {
-    const float thick = c->shared->config.contact.gap_mm, zone = thick + SMR_CONTACT_BAND;
-    float nearest = reach, deepest = 0.0f;
-    int inside = 0;
-    for (uint32_t body = 0; body < n_bodies(c->shared); body++) {
-        smr_side side;
-        if (body == p->owner || !smr_box_reaches(&c->box[body], p->at, reach))
-            continue;
-        const float counts = side_of(c, p, body, reach, &side);
-        if (counts < 0.0f)
-            continue;
-        inside |= side.mm <= 0.0f;
-        deepest = smr_max(deepest, -side.mm);
-        nearest = smr_min(nearest, smr_abs(side.mm));
-        const float share = counts * ramp(side.mm, zone, zone - 0.5f * SMR_CONTACT_BAND);
-        if (!(share > 0.0f))
-            continue;
-        smr_touch more = {.body = body, .triangle = side.triangle, .mm = side.mm, .share = share};
-        memcpy(more.weight, side.weight, sizeof more.weight);
-        smr_store(more.out, side.out);
-        keep(touch, n, &more);
-    }
-    return inside ? -deepest : nearest;
+    const smr_side *side = &w->task.contact.side;
+    const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
+    w->task.contact.inside |= side->mm <= 0.0f;
+    w->task.contact.deepest = smr_max(w->task.contact.deepest, -side->mm);
+    w->task.contact.nearest = smr_min(w->task.contact.nearest, smr_abs(side->mm));
+    const float share = counts * ramp(side->mm, zone, zone - 0.5f * SMR_CONTACT_BAND);
+    if (!(share > 0.0f))
+        return;
+    smr_touch more = {.body = body, .triangle = side->triangle, .mm = side->mm, .share = share};
+    memcpy(more.weight, side->weight, sizeof more.weight);
+    smr_store(more.out, side->out);
+    keep(touch, n, &more);
 }
 
-void smr_contact_find(smr_contact *c, uint32_t v)
+/* Writes the n deepest contacts of a point with bodies within `reach`. Returns a lower bound on their distance, mm. */
+static float look(const smr_contact *c, const probe *p, float reach, smr_worker *w, smr_touch *touch, uint32_t n)
+{
+    if (!w->pause.in_search) {
+        smr_work(&w->pause, SMR_WORK_PROBE + SMR_WORK_BODY * n_bodies(c->shared));
+        memset(&w->task.contact, 0, sizeof w->task.contact);
+        w->task.contact.nearest = reach;
+    }
+    for (; w->task.contact.body < n_bodies(c->shared); w->task.contact.body++) {
+        const uint32_t body = w->task.contact.body;
+        if (body == p->owner || !smr_box_reaches(&c->box[body], p->at, reach))
+            continue;
+        const float counts = side_of(c, p, body, reach, w);
+        if (w->pause.kept)
+            return 0.0f;
+        w->task.contact.leaves = 0;
+        if (counts >= 0.0f)
+            note(c, body, counts, w, touch, n);
+    }
+    return w->task.contact.inside ? -w->task.contact.deepest : w->task.contact.nearest;
+}
+
+uint32_t smr_contact_work(const smr_contact *c)
+{
+    return SMR_WORK_PROBE + SMR_WORK_BODY * n_bodies(c->shared) + SMR_NEAR_MOST * SMR_WORK_NEAR;
+}
+
+void smr_contact_find(smr_contact *c, uint32_t v, smr_worker *w)
 {
     /* with unknown bounds, as after an abandoned iteration, moved_mm is not used: a replay does not know moved_mm */
     const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
     smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
     const float bound = c->reach[v] - moved;
-    for (uint32_t i = 0; i < SMR_TOUCHES; i++)
+    for (uint32_t i = 0; !w->pause.in_search && i < SMR_TOUCHES; i++)
         touch[i].body = SMR_NONE;
     c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
     if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
@@ -231,7 +259,7 @@ void smr_contact_find(smr_contact *c, uint32_t v)
     const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
     const probe p = {smr_get3(c->shape->x, v), smr_scale(smr_get3(c->shape->normal, v), -1.0f),
                      smr_model_owner(c->shared->model, v)};
-    c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), touch, SMR_TOUCHES);
+    c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), w, touch, SMR_TOUCHES);
 }
 
 /* Returns 1 when the distance bound of a corner of triangle t excludes a contact of the triangle's centre, `middle`. */
@@ -244,16 +272,17 @@ static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
     return 0;
 }
 
-void smr_contact_find_triangle(smr_contact *c, uint32_t k)
+void smr_contact_find_triangle(smr_contact *c, uint32_t k, smr_worker *w)
 {
     const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
     const float *x = c->shape->x;
     const smr_vec sum = smr_add(smr_get3(x, t[0]), smr_add(smr_get3(x, t[1]), smr_get3(x, t[2])));
     const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_get3(c->shape->triangle_normal, k), -1.0f),
                      smr_model_owner(c->shared->model, t[0])};
-    c->triangle_touch[k].body = SMR_NONE;
+    if (!w->pause.in_search)
+        c->triangle_touch[k].body = SMR_NONE;
     if (!out_of_reach(c, t, p.at))
-        (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, &c->triangle_touch[k], 1);
+        (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, w, &c->triangle_touch[k], 1);
 }
 
 /* Returns the three stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
@@ -288,14 +317,19 @@ smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacem
 
 /* ---- projection ---- */
 
-static uint32_t due_tasks(const smr_contact *c) { return c->triangles_due ? smr_triangle_tasks(c->shared) : 0u; }
+static uint32_t due_tasks(const smr_contact *c)
+{
+    return c->triangles_due ? smr_ceil_div(c->shared->n_triangles, SMR_PROJECT_CHUNK) : 0u;
+}
+
+static uint32_t vertex_tasks(const smr_contact *c) { return smr_ceil_div(c->schedule->n_active, SMR_PROJECT_CHUNK); }
 
 uint32_t smr_contact_project_tasks(const void *arg)
 {
     const smr_contact *c = arg;
     if (!smr_contact_on(c) || !smr_at_last_radius(c->shared, c->schedule))
         return 0;
-    return SMR_PROJECT_PASSES * (smr_active_tasks(c->schedule) + due_tasks(c));
+    return SMR_PROJECT_PASSES * (vertex_tasks(c) + due_tasks(c));
 }
 
 /* A point of a surface that the projection moves: a vertex, or a point of a triangle. */
@@ -345,7 +379,8 @@ static void separate(const smr_contact *c, const place *p, const smr_touch *touc
 
 static void separate_vertices(const smr_contact *c, uint32_t chunk)
 {
-    for (uint32_t v = chunk * SMR_CHUNK; v < smr_active_end(c->schedule, chunk); v++) {
+    const uint32_t last = smr_min_u32((chunk + 1u) * SMR_PROJECT_CHUNK, c->schedule->n_active);
+    for (uint32_t v = chunk * SMR_PROJECT_CHUNK; v < last; v++) {
         const smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
         const place p = {1, {v, 0, 0}, {1, 0, 0}};
         for (uint32_t i = 0; i < SMR_TOUCHES && touch[i].body != SMR_NONE; i++)
@@ -355,8 +390,8 @@ static void separate_vertices(const smr_contact *c, uint32_t chunk)
 
 static void separate_triangles(const smr_contact *c, uint32_t chunk)
 {
-    const uint32_t last = smr_min_u32((chunk + 1u) * SMR_TRIANGLE_CHUNK, c->shared->n_triangles);
-    for (uint32_t k = chunk * SMR_TRIANGLE_CHUNK; k < last; k++) {
+    const uint32_t last = smr_min_u32((chunk + 1u) * SMR_PROJECT_CHUNK, c->shared->n_triangles);
+    for (uint32_t k = chunk * SMR_PROJECT_CHUNK; k < last; k++) {
         const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
         const place p = {3, {t[0], t[1], t[2]}, {1.0f / 3.0f, 1.0f / 3.0f, 1.0f / 3.0f}};
         if (c->triangle_touch[k].body != SMR_NONE)
@@ -367,7 +402,7 @@ static void separate_triangles(const smr_contact *c, uint32_t chunk)
 void smr_contact_project(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_contact *c = arg;
-    const uint32_t n = due_tasks(c), chunk = task % (n + smr_active_tasks(c->schedule));
+    const uint32_t n = due_tasks(c), chunk = task % (n + vertex_tasks(c));
     if (chunk < n)
         separate_triangles(c, chunk);
     else

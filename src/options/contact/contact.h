@@ -70,8 +70,10 @@ static inline int smr_contact_on(const smr_contact *c)
             smr_model_separate(c->shared->model, c->schedule->radius));
 }
 
-void smr_contact_find(smr_contact *c, uint32_t v);                 /* writes the contacts of vertex v to `touch` */
-void smr_contact_find_triangle(smr_contact *c, uint32_t triangle); /* writes triangle_touch[triangle] */
+/* Write the contacts of vertex v to `touch`; triangle_touch[triangle]. w->pause.kept: the same call continues. */
+void smr_contact_find(smr_contact *c, uint32_t v, smr_worker *w);
+void smr_contact_find_triangle(smr_contact *c, uint32_t triangle, smr_worker *w);
+uint32_t smr_contact_work(const smr_contact *c); /* instructions at most of a point's contacts without the searches */
 
 /* Returns v's share, mm, of the displacement that ends penetration after each vertex w moves by displaced(ctx, w). */
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);

@@ -98,7 +98,8 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
     return sum;
 }
 
-/* Adds the cones on triangles from .. to - 1, which may belong to several structures, to each structure's `sum`. */
+/* Adds the cones on triangles from .. to - 1, which may belong to several structures, to each structure's `sum`, and
+ * computes displacement_mm of each structure whose sum is complete. */
 static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
 {
     while (from < to) {
@@ -112,18 +113,11 @@ static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
         }
         if (kept->closed)
             kept->sum = smr_enclosed_add(kept->sum, piece_of(v, from, last, kept->apex));
+        if (kept->closed && last == one->first_triangle + one->tree.n_triangles)
+            kept->displacement_mm =
+                v->shared->config.contact.volume * smr_enclosed_displacement(&kept->sum, kept->now * kept->rest_mm3,
+                                                                             SMR_DISPLACEMENT_MOST * kept->thick_mm);
         from = last;
-    }
-}
-
-/* Computes each structure's displacement_mm from its complete sum of cones. */
-static void choose_displacements(smr_volumes *v)
-{
-    for (uint32_t i = 0; i < v->shared->n_structures; i++) {
-        smr_kept_volume *one = &v->kept[i];
-        const float most = SMR_DISPLACEMENT_MOST * one->thick_mm, share = v->shared->config.contact.volume;
-        one->displacement_mm =
-            one->closed ? share * smr_enclosed_displacement(&one->sum, one->now * one->rest_mm3, most) : 0.0f;
     }
 }
 
@@ -133,8 +127,6 @@ void smr_volume_correct(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const uint32_t n = smr_triangle_tasks(v->shared), first = task * SMR_TRIANGLE_CHUNK;
     if (task < n)
         sum_piece(v, first, smr_min_u32(first + SMR_TRIANGLE_CHUNK, v->shared->n_triangles));
-    if (task == n)
-        choose_displacements(v);
     for (uint32_t i = (task - n) * SMR_CHUNK; task >= n && i < smr_chunk_end(v->shared, task - n); i++) {
         const float displacement = v->kept[smr_model_owner(v->shared->model, i)].displacement_mm;
         const smr_vec step = smr_scale(smr_next_normal(v->sum, i), displacement);

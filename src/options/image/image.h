@@ -47,7 +47,6 @@ typedef struct smr_image_goals {
     float noise;                    /* standard deviation of the target image's noise, intensity */
     float noise_level;              /* mean of the noise levels of structures, intensity */
     smr_image_structure *structure; /* [n_structures] results and settings of each structure's search in the image */
-    uint32_t ring_pieces;           /* tasks of a structure in the smoothing step; 0 or 1: one task */
     uint8_t *contrast;              /* [n] image's contrast / profile's * SMR_CONTRAST_ONE, at each goal; 0: unknown */
     uint8_t *contrast_next;         /* [n] contrast numbers, as in `contrast`, of the current forces */
     uint8_t *brighter;              /* [n] (image minus profile brightness at each goal) / noise + SMR_BRIGHTER_NONE */
@@ -85,8 +84,6 @@ void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint
 
 /* Step: sums positions of mesh neighbours. Then smr_fill_displacement() returns a goalless vertex' displacement, mm. */
 uint32_t smr_fill_tasks(const void *goals);
-uint32_t smr_fill_abreast(const void *goals);
-void smr_fill_pieces(void *goals, int cut);
 void smr_fill_sum(void *goals, uint32_t task, uint32_t worker);
 smr_vec smr_fill_displacement(const smr_image_goals *g, uint32_t v);
 

@@ -12,26 +12,13 @@
 #define SMR_MATCHED_WELL 0.8f  /* share of vertices with a goal at or above which the search is not widened */
 #define SMR_MATCHED_BADLY 0.5f /* share of vertices with a goal below which the search is widest, without smoothing */
 
-/* Returns the number of tasks: a structure each, or with a budget a piece of a structure: of its vertices, then of its
- * triangles, and the same piece of all structures comes before the next: task = piece * n_structures + structure. */
+#define SMR_WORK_FILL 40000u /* instructions at most for SMR_TRIANGLE_CHUNK vertices or triangles */
+
+/* Returns the number of tasks, a structure each. */
 uint32_t smr_fill_tasks(const void *arg)
 {
     const smr_image_goals *g = arg;
-    return g->has_image ? g->shared->n_structures * smr_max_u32(g->ring_pieces, 1u) : 0u;
-}
-
-uint32_t smr_fill_abreast(const void *arg) { return ((const smr_image_goals *)arg)->shared->n_structures; }
-
-static uint32_t pieces(uint32_t n) { return smr_ceil_div(n, SMR_TRIANGLE_CHUNK); }
-
-void smr_fill_pieces(void *arg, int cut)
-{
-    smr_image_goals *g = arg;
-    g->ring_pieces = 1;
-    for (uint32_t i = 0; cut && i < g->shared->n_structures; i++) {
-        const smr_shape_structure *one = &g->shape->structure[i];
-        g->ring_pieces = smr_max_u32(g->ring_pieces, pieces(one->n_vertices) + pieces(one->tree.n_triangles));
-    }
+    return g->has_image ? g->shared->n_structures : 0u;
 }
 
 /* Returns a structure's search distance of profiles, mm; 0: p->profile_mm. With few goals the distance is longer,
@@ -99,13 +86,14 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
         end_view(g, view);
 }
 
-/* Adds the corners of triangles from .. to-1 to the sums of their neighbours: once for each triangle that two share. */
-static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
+/* Adds the corners of triangles from .. to-1 to the sums of their neighbours: once for each triangle that two share.
+ * Returns the work. */
+static uint32_t add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_image_structure *view = &g->structure[structure];
     if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
         (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
-        return; /* less than half have a goal: sums stay 0, which smooths nothing */
+        return 0; /* less than half have a goal: sums stay 0, which smooths nothing */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
         const smr_vec a = smr_get3(g->shape->x, t[0]), b = smr_get3(g->shape->x, t[1]), c = smr_get3(g->shape->x, t[2]);
@@ -116,22 +104,24 @@ static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uin
             g->rings.weight[t[i]] += 2.0f;
         }
     }
+    return SMR_WORK_FILL;
 }
 
-void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
+/* Looks at a structure's vertices, then adds its triangles, in chunks. */
+void smr_fill_sum(void *arg, uint32_t structure, uint32_t worker)
 {
     smr_image_goals *g = arg;
-    const uint32_t structure = task % g->shared->n_structures, piece = task / g->shared->n_structures;
+    smr_worker *w = &g->shared->worker[worker];
     const smr_shape_structure *one = &g->shape->structure[structure];
-    const uint32_t first = pieces(one->n_vertices), size = SMR_TRIANGLE_CHUNK, n_triangles = one->tree.n_triangles;
-    (void)worker;
-    if (g->ring_pieces <= 1u) {
-        look_back(g, structure, 0, one->n_vertices);
-        add_rings(g, structure, 0, n_triangles);
-    } else if (piece < first) {
-        look_back(g, structure, piece * size, smr_min_u32((piece + 1u) * size, one->n_vertices));
-    } else {
-        add_rings(g, structure, (piece - first) * size, smr_min_u32((piece - first + 1u) * size, n_triangles));
+    const uint32_t n = one->n_vertices, n_all = n + one->tree.n_triangles;
+    smr_worker_needs(w, SMR_WORK_FILL);
+    for (uint32_t from = w->at, to; from < n_all; from = to) {
+        if (smr_worker_stops(w, from))
+            return;
+        to = smr_min_u32(from + SMR_TRIANGLE_CHUNK, from < n ? n : n_all);
+        if (from < n)
+            look_back(g, structure, from, to);
+        smr_work(&w->pause, from < n ? SMR_WORK_FILL : add_rings(g, structure, from - n, to - n));
     }
 }
 

@@ -6,7 +6,8 @@
  * While images are tracked, all vertices with a goal count as visible: an image does not hold a structure along itself.
  * A vertex farther from the field than the cluster radius or an edge is an outlier. An outdated image's field follows
  * newer targets.
- * Bounds: two tasks for each SMR_LOOK vertices, and a task for each control, of its square in multiplications.
+ * Bounds: two tasks for each SMR_LOOK vertices, four for each SMR_FIELD_CHUNK controls, and one for each control, of
+ * its square in multiplications.
  * SPDX-License-Identifier: MIT */
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
@@ -17,7 +18,8 @@
 #define SMR_FIELD_STIFF 4.0f   /* noise variance added to controls / (cluster radius / kernel length)^2 */
 #define SMR_FIELD_PART 8u      /* smallest number of model vertices per control, above SMR_CONTROLS controls */
 #define SMR_FIELD_LEAST 4u     /* least number of controls for a field of vertices, and for a scale other than 1 */
-#define SMR_LOOK 2048u         /* number of vertices that one task looks at to count or choose controls */
+#define SMR_LOOK 512u          /* number of vertices that one task looks at to count or choose controls */
+#define SMR_FIELD_CHUNK 16u    /* number of controls in a task, except in the Cholesky factor's, a column each */
 #define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark / variance of the field */
 
 /* State of the choice of controls. It lies in the memory of the Cholesky factor, which is computed later. */
@@ -111,45 +113,74 @@ static void add_control(smr_occluded_field *f, uint32_t k, smr_vec from, smr_vec
     smr_fit_add(fit, from, to, weight);
 }
 
-static void add_landmarks(smr_occluded_field *f, smr_fit *fit)
+/* Makes landmark k control k. */
+static void add_landmark(smr_occluded_field *f, uint32_t k)
 {
     const smr_landmark_goals *g = f->landmarks;
-    for (uint32_t k = 0; k < g->n; k++) {
-        const float weight = smr_field_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
-        const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
-        add_control(f, k, smr_landmark_foot(g, k, smr_field_start(f)), to, weight, fit);
-        f->noise_variance[k] = smr_field_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_NOISE / weight;
-    }
+    const float weight = smr_field_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
+    const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
+    add_control(f, k, smr_landmark_foot(g, k, smr_field_start(f)), to, weight, &f->fit);
+    f->noise_variance[k] = smr_field_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_NOISE / weight;
 }
 
-static void add_visible(smr_occluded_field *f, const uint32_t *control, float ratio, smr_fit *fit)
+/* Makes vertex v control k. ratio: cluster radius / length of the kernel. */
+static void add_vertex(smr_occluded_field *f, uint32_t k, uint32_t v, float ratio)
 {
     const float noise_variance = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_NOISE, one = (float)SMR_VISIBLE_ONE;
-    for (uint32_t k = f->landmarks->n; k < f->n; k++) {
-        const uint32_t v = control[k - f->landmarks->n];
-        const float shown = (float)smr_field_visibility(f, v), counts = f->by_normals ? 2.0f * shown - one : shown;
-        add_control(f, k, smr_get3(smr_field_start(f), v), smr_get3(f->shape->x, v), 1.0f, fit);
-        f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
-    }
+    const float shown = (float)smr_field_visibility(f, v), counts = f->by_normals ? 2.0f * shown - one : shown;
+    add_control(f, k, smr_get3(smr_field_start(f), v), smr_get3(f->shape->x, v), 1.0f, &f->fit);
+    f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
 }
 
-/* Makes controls of the landmarks and n chosen vertices, fits the pose to them, and computes their residuals. */
+/* Returns the centre of the box around the start, mm. */
+static smr_vec middle_of(const smr_occluded_field *f)
+{
+    const smr_box box = f->schedule->tracking ? f->shape->track_rest->box : f->shape->start_box;
+    return smr_scale(smr_add(box.lo, box.hi), 0.5f);
+}
+
+/* Returns the length of the kernel, mm. */
+static float length_of(const smr_occluded_field *f)
+{
+    const smr_box box = f->schedule->tracking ? f->shape->track_rest->box : f->shape->start_box;
+    return smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
+}
+
+/* Sets the number of controls, n vertices and all landmarks, and the length of the kernel. */
 static void begin(smr_occluded_field *f, uint32_t n)
 {
-    smr_fit fit;
-    const smr_box box = f->schedule->tracking ? f->shape->track_rest->box : f->shape->start_box;
-    const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
-    const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
+    const float length = length_of(f);
     f->per_length2 = 1.0f / (length * length);
     f->rough = f->rough_noise = f->unit = 0.0f;
     f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
-    smr_fit_start(&fit, middle, middle);
-    add_landmarks(f, &fit);
-    add_visible(f, choice(f)->control, f->schedule->lists.radius / length, &fit);
-    f->pose = smr_fit_solve(&fit, f->n >= SMR_FIELD_LEAST);
+    smr_fit_start(&f->fit, middle_of(f), middle_of(f));
+}
+
+/* Makes controls first .. last - 1 of the landmarks and the chosen vertices. */
+static void add_controls(smr_occluded_field *f, uint32_t first, uint32_t last)
+{
+    const float ratio = f->schedule->lists.radius / length_of(f);
+    for (uint32_t k = first; k < last; k++)
+        if (k < f->landmarks->n)
+            add_landmark(f, k);
+        else
+            add_vertex(f, k, choice(f)->control[k - f->landmarks->n], ratio);
+}
+
+/* Fits the pose to all controls. */
+static void fit_pose(smr_occluded_field *f)
+{
+    f->pose = smr_fit_solve(&f->fit, f->n >= SMR_FIELD_LEAST);
     if (f->by_normals)
-        smr_field_normals_begin(f, choice(f)->control, middle);
-    for (uint32_t k = 0; !f->by_normals && k < f->n; k++) {
+        smr_field_normals_begin(f, middle_of(f));
+}
+
+/* Computes the residuals of controls first .. last - 1. */
+static void find_residuals(smr_occluded_field *f, uint32_t first, uint32_t last)
+{
+    if (f->by_normals)
+        smr_field_normals_residuals(f, choice(f)->control, first, last);
+    for (uint32_t k = first; !f->by_normals && k < last; k++) {
         const smr_vec posed = smr_field_posed(f, smr_get3(f->start, k));
         smr_put3(f->coefficient, k, smr_sub(smr_get3(f->coefficient, k), posed));
     }
@@ -166,32 +197,57 @@ static void factor(smr_occluded_field *f, uint32_t j)
     }
 }
 
+/* Returns the number of tasks of a pass over the controls. */
+static uint32_t parts(const smr_occluded_field *f) { return smr_ceil_div(f->most, SMR_FIELD_CHUNK); }
+
 uint32_t smr_occluded_field_tasks(const void *arg)
 {
     const smr_occluded_field *f = arg;
-    return f->goals->partial || counts(f) ? 2u * looks(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 2u : 0u;
+    const uint32_t n = 2u * looks(f) + 4u * parts(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 1u;
+    return f->goals->partial || counts(f) ? n : 0u;
+}
+
+/* Runs task `part` of pass 0 .. 3 over the controls: controls, residuals, and both triangular solves. */
+static void run_pass(smr_occluded_field *f, uint32_t pass, uint32_t part)
+{
+    const uint32_t first = smr_min_u32(part * SMR_FIELD_CHUNK, f->n), last = smr_min_u32(first + SMR_FIELD_CHUNK, f->n);
+    if (pass == 0u)
+        add_controls(f, first, last);
+    else if (pass == 1u)
+        find_residuals(f, first, last);
+    else if (pass == 2u && f->by_normals)
+        smr_solve_rows_forward(f->lower, f->n, first, last, f->residual);
+    else if (pass == 2u)
+        smr_solve_rows_forward3(f->lower, f->n, first, last, f->coefficient);
+    else if (f->by_normals)
+        smr_solve_rows_back(f->lower, f->n, f->n - last, f->n - first, f->residual);
+    else
+        smr_solve_rows_back3(f->lower, f->n, f->n - last, f->n - first, f->coefficient);
 }
 
 void smr_occluded_field_solve(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_occluded_field *f = arg;
-    const uint32_t first = looks(f), tries = 2u * first, then = tries + SMR_FIELD_TRIES * SMR_TRY_TASKS;
-    if (task < first)
-        count_visible(f, task);
-    else if (task < tries)
-        choose(f, task - first);
-    else if (task == tries)
+    const uint32_t choose_at = looks(f), passes_at = 2u * choose_at, n = parts(f), tries_at = passes_at + 2u * n;
+    const uint32_t factor_at = tries_at + SMR_FIELD_TRIES * SMR_TRY_TASKS, solve_at = factor_at + f->most;
+    if (task == passes_at)
         begin(f, choice(f)->n);
-    else if (task <= then)
-        smr_field_roughness_try(f, task - tries - 1u);
-    else if (task - then <= f->n)
-        factor(f, task - then - 1u);
-    else if (task - then == f->most + 1u && f->by_normals)
+    if (task == passes_at + n)
+        fit_pose(f);
+    if (task < choose_at)
+        count_visible(f, task);
+    else if (task < passes_at)
+        choose(f, task - choose_at);
+    else if (task < tries_at)
+        run_pass(f, (task - passes_at) / n, (task - passes_at) % n);
+    else if (task < factor_at)
+        smr_field_roughness_try(f, task - tries_at);
+    else if (task < solve_at && task - factor_at < f->n)
+        factor(f, task - factor_at);
+    else if (task >= solve_at && task < solve_at + 2u * n)
+        run_pass(f, 2u + (task - solve_at) / n, (task - solve_at) % n);
+    else if (task == solve_at + 2u * n && f->by_normals)
         smr_field_normals_end(f);
-    else if (task - then == f->most + 1u) {
-        smr_solve_forward3(f->lower, f->n, f->coefficient);
-        smr_solve_back3(f->lower, f->n, f->coefficient);
-    }
 }
 
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
@@ -283,6 +339,9 @@ float smr_landmark_field_solve(smr_occluded_field *f)
 {
     float sum = 0.0f;
     begin(f, 0);
+    add_controls(f, 0, f->n);
+    fit_pose(f);
+    find_residuals(f, 0, f->n);
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
     smr_solve_forward3(f->lower, f->n, f->coefficient);

@@ -4,12 +4,12 @@
  * Two bodies differ smoothly and also from place to place. Such local differences, if taken as smooth, would turn and
  * stretch the whole model. Therefore the kernel has a second, short term. Its share of the variance is the most likely
  * of SMR_FIELD_TRIES values (marginal likelihood; Rasmussen and Williams 2006, section 5.4), and noise grows with it.
- * Bounds: nine kernels for a covariance; a factor of SMR_ROUGH_ROWS rows for each of SMR_FIELD_TRIES, four rows a task.
+ * Bounds: nine kernels for a covariance; a factor of SMR_ROUGH_ROWS rows for each of SMR_FIELD_TRIES, two rows a task.
  * SPDX-License-Identifier: MIT */
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "options/partial/partial.h"
 
-#define SMR_ROUGH_CHUNK 4u     /* number of rows of the factor that one task computes */
+#define SMR_ROUGH_CHUNK 2u     /* number of rows of the factor that one task computes */
 #define SMR_ROUGH_ROWS 96u     /* largest number of controls from which a likelihood is computed */
 #define SMR_ROUGH_LEAST 32u    /* number of controls below which the kernel has no short term */
 #define SMR_ROUGH_LENGTH 0.15f /* length of the kernel's short term / length of the long term */

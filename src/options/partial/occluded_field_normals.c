@@ -8,7 +8,6 @@
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "geometry/gaussian_process/gaussian_process.h"
 #include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
 #include "options/references/references.h"
@@ -111,22 +110,16 @@ static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
     f->back[6] = length * (1.0f / scale - 1.0f);
 }
 
-/* Sets the motions of references, and f->unit so that their prior variance is 1 / prior of the shapes' mean variance at
- * the controls. Weights stay while targets are tracked. */
-static void add_references(smr_occluded_field *f, const uint32_t *control)
+/* Sets control k's motions of references, of stored vertex v, and adds their squares to f->apart2. */
+static void add_references(smr_occluded_field *f, uint32_t k, uint32_t v)
 {
     static const float whole = 1.0f;
-    float square = FLT_MIN;
-    for (uint32_t k = 0; k < f->n; k++)
-        for (uint32_t i = 0; i < f->shared->n_references; i++) {
-            const smr_vec to = smr_field_posed(f, smr_reference_blend(f->shape, control[k], i, 1, &whole));
-            const smr_vec d = smr_sub(to, smr_column(&f->pose, 3));
-            const float along = smr_dot(d, smr_get3(f->shape->normal, control[k]));
-            motions(f, k)[SMR_FIELD_MOTIONS + i] = along;
-            square += along * along;
-        }
-    if (!f->schedule->tracking)
-        f->unit = (float)f->n / (SMR_MOTION_VARIANCE * f->shared->config.references.prior * square);
+    for (uint32_t i = 0; i < f->shared->n_references; i++) {
+        const smr_vec to = smr_field_posed(f, smr_reference_blend(f->shape, v, i, 1, &whole));
+        const float along = smr_dot(smr_sub(to, smr_column(&f->pose, 3)), smr_get3(f->shape->normal, v));
+        motions(f, k)[SMR_FIELD_MOTIONS + i] = along;
+        f->apart2 += along * along;
+    }
 }
 
 /* Sets the references' weights, at least 0 and with the sum 1, by the solved coefficients f->residual. */
@@ -147,14 +140,17 @@ static void take_weights(const smr_occluded_field *f)
         more[i] = more[i] / sum - equal;
 }
 
-void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle)
+void smr_field_normals_begin(smr_occluded_field *f, smr_vec middle)
+{
+    f->middle = smr_field_posed(f, middle);
+    f->apart2 = FLT_MIN;
+    find_motion_to_start(f, middle);
+}
+
+void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control, uint32_t first, uint32_t last)
 {
     const float inverse = SMR_SQRT(f->per_length2);
-    f->middle = smr_field_posed(f, middle);
-    find_motion_to_start(f, middle);
-    if (smr_blends(f->shape))
-        add_references(f, control);
-    for (uint32_t k = 0; k < f->n; k++) {
+    for (uint32_t k = first; k < last; k++) {
         const smr_vec n = smr_get3(f->shape->normal, control[k]);
         const smr_vec posed = smr_field_posed(f, smr_get3(f->start, k));
         const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
@@ -168,7 +164,12 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
         const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
         f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f, f->back, m, SMR_FIELD_MOTIONS);
         smr_put3(f->coefficient, k, n);
+        if (smr_blends(f->shape))
+            add_references(f, k, control[k]);
     }
+    /* the prior variance of the shapes' motions is 1 / prior of their mean variance; weights stay in tracking */
+    if (last == f->n && smr_blends(f->shape) && !f->schedule->tracking)
+        f->unit = (float)f->n / (SMR_MOTION_VARIANCE * f->shared->config.references.prior * f->apart2);
 }
 
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel)
@@ -205,8 +206,6 @@ static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
 void smr_field_normals_end(smr_occluded_field *f)
 {
     float *const sum = f->back;
-    smr_solve_forward(f->lower, f->n, f->residual);
-    smr_solve_back(f->lower, f->n, f->residual);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->coefficient, k);
         for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)

@@ -114,7 +114,7 @@ static inline float smr_wendland(float distance)
 #define SMR_FIELD_ROWS 192u       /* largest number of controls known only along their normals */
 #define SMR_FIELD_MOTIONS 7u      /* number of motions of a similarity: three shifts, three turns, one scale */
 #define SMR_FIELD_TRIES 3u        /* number of variances of the kernel's short term that are tried */
-#define SMR_TRY_TASKS 24u         /* number of tasks that try one roughness */
+#define SMR_TRY_TASKS 48u         /* number of tasks that try one roughness */
 #define SMR_FIELD_NOISE 0.003f    /* noise variance of a control / variance of the field */
 #define SMR_FIELD_ROUNDED 1.0e-5f /* rounding error of a sum of SMR_FIELD_ROWS products / variance */
 #define SMR_FIELD_STEP 0.8f      /* with controls along normals: share of the field's displacement an iteration takes */
@@ -142,11 +142,13 @@ typedef struct smr_occluded_field {
     float *residual;       /* [most] goal minus posed start along the normal, mm; after the solution: coefficient */
     uint32_t n_motions;    /* SMR_FIELD_MOTIONS, and a motion for each reference: its difference from the mean shape */
     float unit;            /* prior variance of a reference's weight / motion_variance, 1 / mm^2; 0: weights stay */
+    float apart2;          /* sum of squares of the references' motions along normals at the controls, mm^2 */
     float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; after the fit, to the fitted pose */
     smr_vec middle;                /* centre of the motions' turns and scale, mm */
     uint32_t sheet;                /* 1: the model is a sheet, whose area vectors do not cancel */
     uint32_t by_normals;           /* 1: the chosen controls are known along their normals only */
     uint32_t n;                    /* number of controls in use, landmarks first; 0: no field */
+    smr_fit fit;                   /* sums over the controls, of which the pose follows */
     smr_pose pose;                 /* pose that fits the controls' start positions to present ones */
     float per_length2;             /* 1 / (length of the kernel)^2, 1 / mm^2 */
     float rough, per_rough2;       /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
@@ -168,13 +170,15 @@ uint32_t smr_field_normals_choose(const smr_occluded_field *f, uint32_t first, u
                                   uint32_t n);
 /* Returns the share of the field's displacement that vertices take in this iteration, with controls along normals. */
 float smr_field_normals_step(const smr_occluded_field *f);
-/* Computes residuals along normals after the fit of the pose. control: stored vertices; middle: box centre, mm. */
-void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle);
+/* After the fit of the pose: sets the motions to the start; middle: box centre, mm. Then computes residuals along the
+ * normals of controls first .. last - 1, stored vertices control[]. */
+void smr_field_normals_begin(smr_occluded_field *f, smr_vec middle);
+void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control, uint32_t first, uint32_t last);
 /* Returns the covariance of displacements along the normals of controls i and j from the kernel between them. */
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel);
 /* Returns a start position in the pose that fits the controls, mm. */
 smr_vec smr_field_posed(const smr_occluded_field *f, smr_vec at);
-void smr_field_normals_end(smr_occluded_field *f);    /* solves for coefficients; applies the motions to the pose */
+void smr_field_normals_end(smr_occluded_field *f);    /* computes coefficients; applies the motions to the pose */
 void smr_occluded_field_model(smr_occluded_field *f); /* sets `sheet` from the rest shape */
 
 /* ---- occluded_field_covariance.c ---- */

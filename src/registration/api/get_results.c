@@ -1,7 +1,7 @@
 /* get_results.c: reads positions, normals, reports and the state of the log.
  * SPDX-License-Identifier: MIT */
 #include "options/references/references.h"
-#include "registration/registration.h"
+#include "registration/tick/iteration_steps.h"
 
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
 {
@@ -21,7 +21,15 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz)
 
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 {
-    return smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
+    SMR_TRY(smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz));
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    const uint32_t n = smr_normals_exchanged(s);
+    for (uint32_t i = 0; i < one->n_vertices && n > 0u; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        if (v < n)
+            smr_put3(xyz, i, smr_next_normal(s->sums.sum, v));
+    }
+    return SMR_OK;
 }
 
 smr_status smr_get_reference_weights(const smr *s, float *weights, uint32_t *n)

@@ -45,6 +45,7 @@ smr *smr_layout(smr_arena *a, smr *s)
     const size_t n_field = SMR_HAS_PARTIAL ? smr_occluded_field_words(shared) : 0u;
     const uint32_t dihedral_tasks = smr_ceil_div(shared->n_dihedrals, SMR_DIHEDRAL_CHUNK);
     smr *self = smr_slot_scratch(a, NULL, 1, sizeof *self);
+    s->shared.worker = smr_slot_scratch(a, s->shared.worker, shared->config.basic.n_workers, sizeof *s->shared.worker);
     smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, n_field,
                        smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), dihedral_tasks));
     smr_shape_layout(a, &s->shape, shared);

@@ -43,9 +43,9 @@ static void start_here(smr *s, int by_pose)
         smr_smooth_start(&s->forces.smooth);
     }
     smr_triangles_now(shape);
+    smr_abandon_iteration(s); /* may write normals of the iteration before */
     smr_mesh_normals(&mesh, shape->normal, NULL);
     smr_plastic_normals(shape);
-    smr_abandon_iteration(s);
     memset(&s->report, 0, sizeof s->report);
     s->refused = s->schedule.serial = 0;
     smr_schedule_start(s);

@@ -154,7 +154,7 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
         smr_visibility_start(g);
     smr_tracking_changed(s, surface != NULL && !grown ? SMR_CHANGED_SHOWN : SMR_CHANGED);
     if (smr_forces_pending(s))
-        s->step = s->next_task = 0; /* restarts the forces with the new goals; otherwise the old goals remain */
+        smr_place_reset(s); /* restarts the forces with the new goals; otherwise the old goals remain */
     return SMR_OK;
 }
 

@@ -44,7 +44,7 @@ static inline void smr_restart_forces(smr *s, uint32_t changed)
     if (!smr_forces_pending(s))
         return;
     smr_pulls_clear(g);
-    s->step = s->next_task = 0;
+    smr_place_reset(s);
 }
 
 #define SMR_SAVED_MAGIC 0x53524d53u /* "SMRS" */

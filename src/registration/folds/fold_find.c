@@ -32,27 +32,49 @@ uint32_t smr_fold_find_tasks(const void *arg)
     return smr_folds_guarded(f->shared, f->schedule) ? f->n_dihedral_tasks : 0u;
 }
 
-/* Counts the dihedral edges of a chunk that fold or must be limited, by the triangles' normals at x_next. */
-void smr_fold_find(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+#define SMR_FIND_PIECE 128u   /* number of dihedral edges that a worker looks at before it may stop */
+#define SMR_WORK_DIHEDRAL 30u /* instructions at most for an edge that does not bend, ... */
+#define SMR_WORK_BENT 400u    /* ... and for one that does */
+
+/* Counts in *tally the dihedral edges from .. to - 1 that fold or must be limited, by the triangles' normals at x_next.
+ * Returns the number of edges that bend. */
+static uint32_t find(const smr_folds *f, uint32_t from, uint32_t to, smr_tally *tally)
 {
-    smr_folds *f = arg;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_DIHEDRAL_CHUNK, f->shared->n_dihedrals);
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const float *const normal = f->shape->triangle_normal;
     const int repairing = f->schedule->repairing > 0u;
-    uint32_t n = 0, n_open = 0;
-    for (uint32_t i = task * SMR_DIHEDRAL_CHUNK; i < last; i++) {
+    uint32_t n = 0, n_open = 0, close = 0;
+    for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = dihedral + i;
         const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
         const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(h));
         const float next = smr_dot(a, b);
         if (!(next < SMR_LIMIT_BELOW))
             continue;
+        close++;
         n += repairing ? next < smr_edge_limit(h) : smr_fold_limit_share(f, h, next) > 0.0f;
         n_open += smr_edge_open(h) && next < SMR_FOLD_COS;
     }
-    f->tally[task].folds.n_bent = n;
-    f->tally[task].folds.n_open = n_open;
+    tally->folds.n_bent += n;
+    tally->folds.n_open += n_open;
+    return close;
+}
+
+void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_folds *f = arg;
+    smr_worker *w = &f->shared->worker[worker];
+    const uint32_t first = task * SMR_DIHEDRAL_CHUNK;
+    const uint32_t last = smr_min_u32(first + SMR_DIHEDRAL_CHUNK, f->shared->n_dihedrals);
+    if (w->at == 0u)
+        f->tally[task].folds.n_bent = f->tally[task].folds.n_open = 0;
+    smr_worker_needs(w, SMR_FIND_PIECE * (SMR_WORK_DIHEDRAL + SMR_WORK_BENT));
+    for (uint32_t from = first + w->at; from < last; from += SMR_FIND_PIECE) {
+        if (smr_worker_stops(w, from - first))
+            return;
+        const uint32_t n = find(f, from, smr_min_u32(from + SMR_FIND_PIECE, last), &f->tally[task]);
+        smr_work(&w->pause, SMR_FIND_PIECE * SMR_WORK_DIHEDRAL + n * SMR_WORK_BENT);
+    }
 }
 
 void smr_fold_find_end(smr_folds *f)

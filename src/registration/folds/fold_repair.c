@@ -5,6 +5,7 @@
 #include "registration/folds/folds.h"
 
 #define SMR_EDGE_FLOOR 1.0e-3f /* mm: added to edge lengths in divisors */
+#define SMR_REPAIR_CHUNK 128u  /* number of dihedral edges, triangles or vertices in a task */
 #define SMR_REPAIR_SWEEPS 10u  /* sweeps over the patch around a fold, for each ring of the patch */
 #define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
@@ -157,7 +158,7 @@ void smr_fold_repair_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
     const uint32_t over = pass->stage == REPAIR_MARK   ? SMR_OVER_DIHEDRALS
                           : pass->stage == REPAIR_MOVE ? SMR_OVER_VERTICES
                                                        : SMR_OVER_TRIANGLES;
-    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);
+    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_REPAIR_CHUNK);
     switch (pass->stage) {
     case REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
     case REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;

@@ -4,6 +4,14 @@
 #include "base/fixed_point.h"
 #include "registration/goals/external_forces.h"
 
+/* Instructions at most of a vertex' goal but its search on a surface, and of its force; for each control of the field
+ * of occluded vertices, for each landmark, and by an image with the default distances. */
+#define SMR_WORK_GOAL 2000u
+#define SMR_WORK_FORCE 450u
+#define SMR_WORK_CONTROL 300u
+#define SMR_WORK_LANDMARK 100u
+#define SMR_WORK_IMAGE 45000u
+
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
 {
     const size_t n = shared->n;
@@ -59,18 +67,32 @@ uint32_t smr_forces_tasks(const void *arg)
     return smr_ceil_div(f->schedule->n_active, smr_force_chunk(f));
 }
 
-void smr_forces_search(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Returns the work, in instructions at most, of a vertex' goal but its search on a surface. */
+static uint32_t work_of_goal(const smr_forces *f)
+{
+    const uint32_t fields = SMR_WORK_CONTROL * f->occluded.n + SMR_WORK_LANDMARK * f->landmarks.n;
+    return SMR_WORK_GOAL + fields + (smr_image_on(&f->image) ? SMR_WORK_IMAGE : 0u);
+}
+
+void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
 {
     smr_forces *f = arg;
-    const uint32_t n_active = f->schedule->n_active, chunk = smr_force_chunk(f);
-    const uint32_t last = smr_min_u32((task + 1u) * chunk, n_active);
+    const uint32_t n_active = f->schedule->n_active, chunk = smr_force_chunk(f), first = task * chunk;
+    const uint32_t last = smr_min_u32(first + chunk, n_active);
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
-    for (uint32_t v = task * chunk; v < last; v++) {
+    smr_worker *const w = &f->shared->worker[worker];
+    const uint32_t work = work_of_goal(f);
+    smr_worker_needs(w, work);
+    for (uint32_t v = first + w->at; v < last; v++) {
         smr_vec displacement;
         float residual = SMR_FAR;
+        if (smr_worker_stops(w, v - first))
+            return;
         if (looks && v + 1u < n_active)
             smr_image_ahead(&f->image, v + 1u); /* prefetch: reading voxels takes as long as the work on a vertex */
-        f->found[v] = smr_sources_goal(f, v, &displacement, &residual);
+        f->found[v] = smr_sources_goal(f, v, &w->pause, &displacement, &residual);
+        if (smr_worker_kept(w, v - first, work))
+            return;
         smr_put3(f->force, v, displacement);
         if (f->found[v] == SMR_FOUND_GOAL) /* distance to the target mesh, or else to the goal */
             f->residual[v] = residual < SMR_FAR ? residual : smr_length(displacement);
@@ -98,14 +120,21 @@ static void count(const smr_forces *f, uint32_t v, smr_vec displacement, smr_tal
 uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
 
 /* Turns displacements into forces. The number of active vertices is final from here on. */
-void smr_forces_take(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
 {
     smr_forces *f = arg;
     smr_tally *tally = &f->tally[task];
     const float stiffness = f->schedule->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->schedule->gain;
     const int apart = smr_contact_on(&f->contact), smooth = SMR_HAS_CONTACT && smr_smooth_tasks(&f->smooth) > 0u;
-    memset(tally, 0, sizeof *tally);
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
+    smr_worker *const w = &f->shared->worker[worker];
+    const uint32_t first = task * SMR_CHUNK, work = SMR_WORK_FORCE + SMR_WORK_LANDMARK * f->landmarks.n;
+    if (w->at == 0u)
+        memset(tally, 0, sizeof *tally);
+    smr_worker_needs(w, work);
+    for (uint32_t v = first + w->at; v < smr_chunk_end(f->shared, task); v++) {
+        if (smr_worker_stops(w, v - first))
+            return;
+        smr_work(&w->pause, work);
         if (!smr_active(f->schedule, v)) {
             smr_sources_drop(f, v);
             f->found[v] = SMR_FOUND_NO_TARGET;
@@ -141,20 +170,33 @@ uint32_t smr_contact_tasks(const void *arg)
            (f->contact.triangles_due ? smr_ceil_div(f->shared->n_triangles, SMR_CONTACT_CHUNK) : 0u);
 }
 
-void smr_contact_search(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Finds the contacts of vertex or, of_triangle 1, triangle i, and the displacement that ends a vertex' penetration. */
+static void find_contacts(smr_forces *f, int of_triangle, uint32_t i, smr_worker *w)
 {
-    smr_forces *f = arg;
-    const uint32_t n_tasks = smr_ceil_div(f->schedule->n_active, SMR_CONTACT_CHUNK);
-    if (task >= n_tasks) {
-        const uint32_t first = (task - n_tasks) * SMR_CONTACT_CHUNK;
-        for (uint32_t k = first; k < smr_min_u32(first + SMR_CONTACT_CHUNK, f->shared->n_triangles); k++)
-            smr_contact_find_triangle(&f->contact, k);
+    if (of_triangle) {
+        smr_contact_find_triangle(&f->contact, i, w);
         return;
     }
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_CONTACT_CHUNK, f->schedule->n_active);
-    for (uint32_t v = task * SMR_CONTACT_CHUNK; v < last; v++) {
-        smr_contact_find(&f->contact, v);
-        smr_put3(f->contact.push, v, smr_contact_displacement(&f->contact, v, requested_displacement, f));
+    smr_contact_find(&f->contact, i, w);
+    if (!w->pause.kept)
+        smr_put3(f->contact.push, i, smr_contact_displacement(&f->contact, i, requested_displacement, f));
+}
+
+void smr_contact_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_forces *f = arg;
+    smr_worker *w = &f->shared->worker[worker];
+    const uint32_t n_tasks = smr_ceil_div(f->schedule->n_active, SMR_CONTACT_CHUNK);
+    const int of_triangle = task >= n_tasks;
+    const uint32_t first = (of_triangle ? task - n_tasks : task) * SMR_CONTACT_CHUNK;
+    const uint32_t n = of_triangle ? f->shared->n_triangles : f->schedule->n_active;
+    smr_worker_needs(w, smr_contact_work(&f->contact) + 8u * SMR_WORK_LANDMARK * f->landmarks.n);
+    for (uint32_t i = first + w->at; i < smr_min_u32(first + SMR_CONTACT_CHUNK, n); i++) {
+        if (smr_worker_stops(w, i - first))
+            return;
+        find_contacts(f, of_triangle, i, w);
+        if (smr_worker_kept(w, i - first, SMR_WORK_FORCE / 2u)) /* searches count the rest */
+            return;
     }
 }
 

@@ -82,7 +82,8 @@ void smr_sources_commit(smr_forces *f);           /* stores the results of all s
 void smr_sources_drop(smr_forces *f, uint32_t v); /* sets the target's pulls on v to 0 */
 
 /* Finds v's displacement to its goal, mm, the weighted mean of all sources. *residual: distance to the closest point
- * on a target mesh, mm; -1: v is at most half visible; unchanged without such a point. Returns SMR_FOUND_... */
-uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual);
+ * on a target mesh, mm; -1: v is at most half visible; unchanged without such a point. Returns SMR_FOUND_..., which
+ * does not count when pause->kept: the search stopped, and the same call continues. */
+uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_pause *pause, smr_vec *displacement, float *residual);
 
 #endif

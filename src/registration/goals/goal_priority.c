@@ -81,14 +81,15 @@ void smr_sources_drop(smr_forces *f, uint32_t v)
 
 /* Finds the displacement of v to a goal on its mesh or cloud, and the residual, mm; judges the visibility. Returns 0
  * without a goal. */
-static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement, float *residual)
+static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_pause *pause, smr_vec *displacement,
+                          float *residual)
 {
     smr_surface_goals *g = &f->surface;
     smr_surface_find find;
     if (smr_is_points(drawn->surface))
         return smr_point_goal(g, v, displacement);
-    const int found = smr_surface_goal(g, v, drawn->surface, displacement, &find);
-    if (find.hit.triangle == SMR_NONE)
+    const int found = smr_surface_goal(g, v, drawn->surface, pause, displacement, &find);
+    if (pause->kept || find.hit.triangle == SMR_NONE)
         return found;
     if (SMR_HAS_PARTIAL && smr_visibility_judged(g, smr_model_owner(f->shared->model, v)))
         smr_visibility_judge(g, v, drawn->surface, &find.hit, find.displacement);
@@ -99,16 +100,19 @@ static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, sm
 
 /* Finds the displacement of v to a surface goal, mm, averaged with an image goal and with the field of occluded
  * vertices. With a partial target the surface goal's weight is the visibility of v. Returns SMR_FOUND_... */
-static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement,
-                               float *residual)
+static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_pause *pause,
+                               smr_vec *displacement, float *residual)
 {
-    const int found = goal_on_target(f, v, drawn, displacement, residual), rest = smr_field_of_rest(&f->occluded, v);
+    const int found = goal_on_target(f, v, drawn, pause, displacement, residual);
+    const int rest = smr_field_of_rest(&f->occluded, v);
     const int partial = SMR_HAS_PARTIAL && drawn->partial, landmarks = smr_landmarks_on(&f->landmarks);
     const int goal = partial ? f->surface.visibility_next[v] > 0u : found;
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
     const float beside = rest ? 1.0f : looks ? f->shared->config.image.beside * f->schedule->fade : 0.0f;
     float weight = rest ? (float)f->surface.visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE) : (float)goal;
     smr_vec own;
+    if (pause->kept)
+        return SMR_FOUND_NONE;
     const int in_image = SMR_HAS_IMAGE && beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
     if (SMR_HAS_IMAGE && !in_image)
         smr_image_forget(&f->image, v); /* the surface decides what is visible */
@@ -165,7 +169,7 @@ static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacemen
 
 /* Finds the displacement of v to its goal, mm, without goals of the caller; 0 for a vertex without triangles unless the
  * vertex follows landmarks. Returns SMR_FOUND_... */
-static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual)
+static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_pause *pause, smr_vec *displacement, float *residual)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
     const int image = smr_image_on(&f->image);
@@ -181,14 +185,14 @@ static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement, flo
         return SMR_FOUND_NO_TARGET;
     }
     return SMR_HAS_IMAGE && drawn->surface == NULL ? goal_in_image(f, v, displacement)
-                                                   : goal_on_surface(f, v, drawn, displacement, residual);
+                                                   : goal_on_surface(f, v, drawn, pause, displacement, residual);
 }
 
-uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement, float *residual)
+uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_pause *pause, smr_vec *displacement, float *residual)
 {
-    const uint8_t found = goal_of_own(f, v, displacement, residual);
+    const uint8_t found = goal_of_own(f, v, pause, displacement, residual);
     const float weight = found == SMR_FOUND_GOAL ? 1.0f : 0.0f;
-    if (f->caller.calls == NULL)
+    if (f->caller.calls == NULL || pause->kept)
         return found;
     return f->caller.calls->blend(&f->caller, v, displacement, weight) > weight ? SMR_FOUND_GOAL : found;
 }

@@ -52,7 +52,6 @@ void smr_boundary_reference(void *arg, uint32_t task, SMR_UNUSED uint32_t worker
 
 void smr_sums_at_once(smr_sums *s)
 {
-    smr_block_pieces(s, 0);
     for (uint32_t t = 0; t < smr_block_tasks(s); t++)
         smr_sums_forest(s, t, 0);
     for (uint32_t t = 0; t < smr_boundary_tasks(s); t++)

@@ -19,7 +19,6 @@ typedef struct smr_sums {
     uint32_t *sum;    /* [n][SMR_WORDS] sum of the records of all vertices of the vertex' cluster */
     float scale[2];   /* scales of the two kinds of quantities: stored = value * scale */
     uint32_t words;   /* number of words of a record in use: 6, 12 or 16 */
-    uint32_t pieces;  /* number of tasks into which each block of the order L is cut in this step; 0 or 1: not cut */
 } smr_sums;
 
 /* The clusters in the reference shape, recomputed when x^r or the active vertices change. */
@@ -57,11 +56,9 @@ uint32_t smr_method_words(const smr_shared *c); /* number of words of a displace
 void smr_sums_at_once(smr_sums *s);             /* sums vertices' records for each cluster, between iterations */
 
 /* Steps on smr_sums. smr_sums_record writes displacements as records. smr_sums_forest sums records over clusters; each
- * task is a block of the order L, or a piece. smr_boundary_sums adds fractional weights, one task after the other. */
+ * task is a block of the order L. smr_boundary_sums adds fractional weights, one task after the other. */
 smr_count_tasks smr_sums_record_tasks, smr_block_tasks, smr_boundary_tasks;
 smr_run_task smr_sums_record, smr_sums_forest, smr_boundary_sums;
-void smr_block_pieces(void *sums, int cut); /* sets smr_sums.pieces; cut 1: blocks may be cut into pieces */
-smr_count_tasks smr_block_abreast;          /* number of pieces that do not need each other's sums */
 
 /* Returns value / SMR_BOUNDARY_UNITS, rounded to nearest, for values within +-2^62, in a time that is always equal. */
 static inline uint32_t smr_boundary_part(int64_t value)

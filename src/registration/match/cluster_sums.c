@@ -1,10 +1,13 @@
 /* cluster_sums.c: fixed-point records of each vertex and their sums over every cluster, along the order L (paper 2.2):
  * Sum_i = Sum_parent + Sum over zeta+ - Sum over zeta-. The sums are exact (base/fixed_point.h). Blocks are tasks.
- * Bounds: one pass over a block's entries and indexes.
+ * Bounds: one pass over a block's entries and indexes; with a budget a worker may stop within the list of an entry.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/cluster_match.h"
 
-#define SMR_ENTRY_CHUNK 32u /* entries in a piece of a block; half as many for the moments of x^r */
+/* Instructions at most for an entry or an index, alone and for each word of the records. */
+#define SMR_WORK_ENTRY 60u
+#define SMR_WORK_WORD 10u
+#define SMR_WORK_SOME 8000u /* least work for which some of a long list is summed */
 
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
 {
@@ -15,26 +18,7 @@ void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1
 
 uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
-/* Returns the number of tasks. A task is a block, or a piece of a block: task = piece * n_blocks + block. */
-uint32_t smr_block_tasks(const void *arg)
-{
-    const smr_sums *s = arg;
-    return s->schedule->lists.n_blocks * smr_max_u32(s->pieces, 1u);
-}
-
-static uint32_t entries_of(const smr_sums *s) { return s->words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
-
-void smr_block_pieces(void *arg, int cut)
-{
-    smr_sums *s = arg;
-    const smr_lists *l = &s->schedule->lists;
-    uint32_t largest = 0;
-    for (uint32_t i = 0; cut && i < l->n_blocks; i++)
-        largest = smr_max_u32(largest, smr_le32(l->block[i + 1u].first) - smr_le32(l->block[i].first));
-    s->pieces = l->n_blocks > s->shared->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
-}
-
-uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->schedule->lists.n_blocks; }
+uint32_t smr_block_tasks(const void *arg) { return ((const smr_sums *)arg)->schedule->lists.n_blocks; }
 
 uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->schedule); }
 
@@ -139,21 +123,85 @@ static uint32_t chain(const smr_sums *s, piece p)
     return narrow ? chain16(l, p, active, record, s->sum, 4u) : chain32(l, p, active, record, s->sum, 4u);
 }
 
-void smr_sums_forest(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Returns entry e of a block as four words. */
+static smr_entry32 entry_of(const smr_lists *l, uint32_t block, uint32_t e)
+{
+    const uint32_t at = smr_le32(l->block[block].first) + e;
+    const smr_entry16 *narrow = (const smr_entry16 *)l->entry + at;
+    const smr_entry32 *wide = (const smr_entry32 *)l->entry + at;
+    if (l->index_bytes == 2u)
+        return (smr_entry32){smr_le16(narrow->vertex), smr_le16(narrow->parent), smr_le16(narrow->n_plus),
+                             smr_le16(narrow->n_minus)};
+    return (smr_entry32){smr_le32(wide->vertex), smr_le32(wide->parent), smr_le32(wide->n_plus),
+                         smr_le32(wide->n_minus)};
+}
+
+/* Returns the work, in instructions at most, for an entry or an index. */
+static uint32_t work_of(const smr_sums *s) { return SMR_WORK_ENTRY + SMR_WORK_WORD * s->words; }
+
+/* Returns the work, in instructions at most, for entry e of a block and its indexes. */
+static uint64_t work_at(const smr_sums *s, uint32_t block, uint32_t e)
+{
+    const smr_entry32 entry = entry_of(&s->schedule->lists, block, e);
+    return (uint64_t)work_of(s) * (1u + entry.n_plus + entry.n_minus);
+}
+
+/* Returns the end of the entries from p->from on whose work is left, and counts this work. */
+static uint32_t entries_for(const smr_sums *s, const piece *p, uint32_t length, smr_pause *pause)
+{
+    uint32_t to = p->from;
+    if (pause->left == SMR_ENDLESS)
+        return length;
+    for (; to < length; to++) {
+        const uint64_t work = work_at(s, p->block, to);
+        if (work > pause->left)
+            break;
+        pause->left -= (uint32_t)work;
+    }
+    return to;
+}
+
+/* Adds as many indexes of entry p->from to the entry's sum as there is work left for. */
+static void add_some(const smr_sums *s, piece *p, smr_worker *w)
+{
+    const smr_lists *l = &s->schedule->lists;
+    const smr_entry32 entry = entry_of(l, p->block, p->from), parent = entry_of(l, p->block, entry.parent);
+    const uint32_t length = entry.n_plus + entry.n_minus, n = smr_min_u32(w->pause.left / work_of(s), length);
+    const uint32_t last = smr_min_u32(length, w->within + n);
+    uint32_t *sum = s->sum + SMR_WORDS * (size_t)entry.vertex;
+    for (uint32_t k = 0; w->within == 0u && k < s->words; k++)
+        sum[k] = entry.parent == p->from ? 0u : s->sum[SMR_WORDS * (size_t)parent.vertex + k];
+    for (uint32_t i = w->within; i < last; i++) {
+        const uint32_t at = p->index + i, v = l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->index)[at])
+                                                                   : smr_le32(((const uint32_t *)l->index)[at]);
+        const uint32_t *const r = s->record + SMR_WORDS * (size_t)v;
+        for (uint32_t k = 0; smr_active(s->schedule, v) && k < s->words; k++)
+            sum[k] += i < entry.n_plus ? r[k] : 0u - r[k];
+    }
+    smr_work(&w->pause, n * work_of(s));
+    w->within = last < length ? last : 0u;
+    p->from += last == length;
+    p->index += last == length ? length : 0u;
+}
+
+void smr_sums_forest(void *arg, uint32_t block, uint32_t worker)
 {
     smr_sums *s = arg;
-    const smr_lists *l = &s->schedule->lists;
-    const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % l->n_blocks, i = task / l->n_blocks;
-    const smr_stored_block *b = &l->block[block];
-    const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
-    piece p = {block, 0, length, smr_le32(b->first_index)};
-    if (pieces > 1u) {
-        p.from = smr_min_u32(i * entries_of(s), length);
-        p.to = smr_min_u32(p.from + entries_of(s), length);
-        if (i > 0u)
-            p.index = s->tally[block].sums.index;
-        s->tally[block].sums.index = chain(s, p);
-        return;
+    smr_worker *w = &s->shared->worker[worker];
+    const smr_stored_block *b = &s->schedule->lists.block[block];
+    const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first), first = smr_le32(b->first_index);
+    piece p = {block, w->at, 0, first + w->index};
+    while (p.from < length) {
+        p.to = w->within > 0u ? p.from : entries_for(s, &p, length, &w->pause);
+        if (p.to > p.from) {
+            p.index = chain(s, p);
+            p.from = p.to;
+        } else if (w->pause.left >= SMR_WORK_SOME && work_at(s, block, p.from) > SMR_WORK_MOST / 2u) {
+            add_some(s, &p, w);
+        } else {
+            w->index = p.index - first;
+            (void)smr_worker_stop(w, p.from);
+            return;
+        }
     }
-    (void)chain(s, p);
 }

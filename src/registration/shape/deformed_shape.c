@@ -5,6 +5,7 @@
 #include "registration/shape/deformed_shape.h"
 
 #define SMR_LEAVES 32u /* number of tree leaves in a task */
+#define SMR_UPPERS 32u /* number of tree nodes above the leaves in a task */
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
@@ -73,11 +74,32 @@ void smr_triangles_refit(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-void smr_triangles_end(smr_shape *shape)
+/* Returns the number of nodes of a structure's tree above the leaves. */
+static uint32_t n_upper(const smr_box_tree *f)
 {
-    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        if (shape->structure[i].tree.node != NULL) /* a target may be set before the next iteration */
-            smr_tree_refit_upper(&shape->structure[i].tree);
+    return f->n_levels > 0u ? f->level[f->n_levels - 1u] + 1u - smr_tree_leaves(f) : 0u;
+}
+
+uint32_t smr_uppers_tasks(const void *arg)
+{
+    const smr_shape *shape = arg;
+    const smr_shape_structure *last = &shape->structure[shape->shared->n_structures - 1u];
+    const uint32_t n_leaves = last->first_leaf + smr_tree_leaves(&last->tree);
+    return shape->node != NULL ? smr_ceil_div(shape->n_nodes - n_leaves, SMR_UPPERS) : 0u;
+}
+
+void smr_uppers_refit(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_shape *shape = arg;
+    const uint32_t from = task * SMR_UPPERS, to = from + SMR_UPPERS;
+    uint32_t first = 0;
+    for (uint32_t i = 0; i < shape->shared->n_structures && first < to; i++) {
+        const smr_box_tree *f = &shape->structure[i].tree;
+        const uint32_t last = first + n_upper(f), leaves = smr_tree_leaves(f);
+        if (last > from)
+            smr_tree_refit_nodes(f, leaves + smr_max_u32(first, from) - first, leaves + smr_min_u32(last, to) - first);
+        first = last;
+    }
 }
 
 void smr_triangles_follow(smr_shape *shape, const float *xyz)
@@ -91,7 +113,8 @@ void smr_triangles_now(smr_shape *shape)
     smr_triangles_follow(shape, shape->x);
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
         smr_tree_refit_leaves(&shape->structure[i].tree, 0, smr_tree_leaves(&shape->structure[i].tree));
-    smr_triangles_end(shape);
+    for (uint32_t task = 0; task < smr_uppers_tasks(shape); task++)
+        smr_uppers_refit(shape, task, 0);
 }
 
 static void add_to_fit(smr_shape *shape, uint32_t from, uint32_t to)

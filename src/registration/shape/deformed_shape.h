@@ -6,7 +6,7 @@
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/rotation/similarity_fit.h"
-#include "registration/shape/schedule_state.h"
+#include "registration/shape/step_worker.h"
 
 struct smr_dynamics;
 struct smr_references;
@@ -71,9 +71,9 @@ void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees 
 /* Moving triangles: their normals, and box trees where a stage needs them. */
 void smr_triangles_follow(smr_shape *shape, const float *xyz); /* lets the triangles read their corners at xyz [n][3] */
 void smr_triangles_now(smr_shape *shape);                      /* updates the normals and boxes of all triangles at x */
-smr_count_tasks smr_triangles_tasks;
-smr_run_task smr_triangles_refit;
-void smr_triangles_end(smr_shape *shape);
+/* Steps: normals and boxes of triangles; boxes above the trees' leaves, one task after the other. */
+smr_count_tasks smr_triangles_tasks, smr_uppers_tasks;
+smr_run_task smr_triangles_refit, smr_uppers_refit;
 
 /* Step: fits rest_pose where rest_pose_due is 1. Tasks run one after the other. */
 smr_count_tasks smr_rest_pose_tasks;

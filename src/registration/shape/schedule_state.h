@@ -27,14 +27,15 @@ typedef struct smr_shared {
     uint32_t parts; /* sum of the SMR_PART_... that model and configuration need */
     uint32_t n;     /* number of vertices */
     uint32_t n_triangles, n_structures, n_radii, n_dihedrals;
-    uint32_t n_references;    /* number of subjects' shapes that are blended; 0: the model has its own shape alone */
-    uint32_t n_tasks;         /* number of chunks of SMR_CHUNK vertices */
-    const uint32_t *triangle; /* [n_triangles][3] stored vertices; on little-endian hosts in the model itself */
-    float mass_max;           /* largest mass of a vertex in the model */
-    float mass_unit;          /* masses are whole multiples of 1 / mass_unit */
-    float mass_sum;           /* sum of all masses, in dynamics; 0: unknown */
-    const float *mass;        /* [n] weights in the clusters' fits, in dynamics; NULL: the model's masses */
-    float min_cos;            /* cosine of config.forces.normal_deg */
+    uint32_t n_references;     /* number of subjects' shapes that are blended; 0: the model has its own shape alone */
+    uint32_t n_tasks;          /* number of chunks of SMR_CHUNK vertices */
+    const uint32_t *triangle;  /* [n_triangles][3] stored vertices; on little-endian hosts in the model itself */
+    float mass_max;            /* largest mass of a vertex in the model */
+    float mass_unit;           /* masses are whole multiples of 1 / mass_unit */
+    float mass_sum;            /* sum of all masses, in dynamics; 0: unknown */
+    const float *mass;         /* [n] weights in the clusters' fits, in dynamics; NULL: the model's masses */
+    float min_cos;             /* cosine of config.forces.normal_deg */
+    struct smr_worker *worker; /* [config.basic.n_workers] where each worker is in the current step */
 } smr_shared;
 
 /* Returns the number of target vertices that the arena has memory for; 0: no target attracts. */

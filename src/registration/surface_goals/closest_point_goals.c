@@ -120,12 +120,12 @@ int smr_targets_valid(const smr_surface_goals *g)
 }
 
 /* Returns what the last search for v, at the positions before, makes known at p, v's present position. */
-static smr_certainty known_of(const smr_surface_goals *g, uint32_t v, smr_vec p)
+static smr_certainty known_of(const smr_surface_goals *g, uint32_t v, smr_vec p, smr_pause *pause)
 {
     const float step = smr_length(smr_sub(smr_get3(g->shape->x, v), smr_get3(g->shape->x_next, v)));
     const float rounded = SMR_ROUNDED * (smr_abs(p.x) + smr_abs(p.y) + smr_abs(p.z));
     const float other = (float)g->other[v] * smr_other_unit(g);
-    return smr_known(g, other - SMR_FARTHER * step - rounded, step, SMR_LEARN_GOAL);
+    return smr_known(g, other - SMR_FARTHER * step - rounded, step, SMR_LEARN_GOAL, pause);
 }
 
 /* Returns the position of vertex v, mm from the target's origin. */
@@ -135,11 +135,12 @@ static smr_vec from_target(const smr_surface_goals *g, uint32_t v, const smr_sur
 }
 
 /* Finds the closest point of the target to vertex v. Returns 0 when no point is acceptable. */
-static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_surface_find *find)
+static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_pause *pause,
+                   smr_surface_find *find)
 {
     const smr_config *c = &g->shared->config;
     const smr_vec p = from_target(g, v, target);
-    smr_certainty known = known_of(g, v, p);
+    smr_certainty known = known_of(g, v, p, pause);
     g->warm_next[v] = g->warm[v];
     g->other[v] = 0;
     find->hit.triangle = SMR_NONE;
@@ -150,8 +151,8 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* a vertex without triangles has no normal: all normals agree */
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
-    smr_surface_search_known(target, smr_other_bodies(g, smr_model_owner(g->shared->model, v)), &q, &hit, &known);
-    if (hit.triangle == SMR_NONE)
+    const unsigned char *const use = smr_other_bodies(g, smr_model_owner(g->shared->model, v));
+    if (!smr_surface_search_known(target, use, &q, &hit, &known) || hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;
     const float units = known.other_mm / smr_max(smr_other_unit(g), 1.0e-20f);
@@ -163,15 +164,6 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     return !smr_reject_outside(c, smr_add(smr_add(p, find->displacement), target->origin));
 }
 
-/* Reduces the part along the surface, since goals jump along it. Vertices without triangles have no normal. */
-smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
-{
-    const smr_vec n = smr_get3(g->shape->normal, v), along_normal = smr_scale(n, smr_dot(n, displacement));
-    if (smr_dot(n, n) < 0.5f)
-        return displacement;
-    return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
-}
-
 /* Returns the mean, mm, of the displacement `goal` to the closest point and the mean pull, which has this weight. */
 static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
 {
@@ -179,11 +171,13 @@ static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, flo
     return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
 }
 
-int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
-                     smr_surface_find *find)
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_pause *pause,
+                     smr_vec *displacement, smr_surface_find *find)
 {
     smr_vec pull = smr_v(0, 0, 0);
-    const int has_goal = project(g, v, target, find);
+    const int has_goal = project(g, v, target, pause, find);
+    if (pause->kept)
+        return 0;
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
     if (!has_goal && g->shared->config.forces.use_box)
         weight = 0.0f; /* no pulls act outside the box */

@@ -106,10 +106,11 @@ static inline float smr_other_unit(const smr_surface_goals *g)
 
 /* Returns what a search knows of other triangles, which are at least other_mm away. After a step larger than `learn`
  * mean edges the search learns nothing, since the next one would not be sure. In dynamics nothing is known. */
-static inline smr_certainty smr_known(const smr_surface_goals *g, float other_mm, float step_mm, float learn)
+static inline smr_certainty smr_known(const smr_surface_goals *g, float other_mm, float step_mm, float learn,
+                                      smr_pause *pause)
 {
     const int learns = g->shape->from == NULL && step_mm < learn * smr_le_float(g->shared->model->edge_mm);
-    return (smr_certainty){learns ? step_mm : -1.0f, g->shape->from == NULL ? other_mm : 0.0f, 0};
+    return (smr_certainty){learns ? step_mm : -1.0f, g->shape->from == NULL ? other_mm : 0.0f, 0, pause};
 }
 
 /* Result of a vertex' search on its target. */
@@ -118,15 +119,23 @@ typedef struct smr_surface_find {
     smr_vec displacement; /* from the vertex to the closest point, mm */
 } smr_surface_find;
 
-/* Finds the displacement from vertex v to its goal on the target mesh, mm. Returns 0 without a goal. */
-int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
-                     smr_surface_find *find);
+/* Finds the displacement from vertex v to its goal on the target mesh, mm. Returns 0 without a goal, and when the
+ * search stopped: pause->kept. */
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_pause *pause,
+                     smr_vec *displacement, smr_surface_find *find);
 
 /* Returns the displacement of v to its last closest target triangle, averaged with the pulls on v, mm; or 0. */
 smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 
-/* Returns the displacement, mm, with its part along the model's surface multiplied by config.basic.slide. */
-smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement);
+/* Returns the displacement, mm, with its part along the model's surface multiplied by config.basic.slide, since goals
+ * jump along it. Vertices without triangles have no normal. */
+static inline smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
+{
+    const smr_vec n = smr_get3(g->shape->normal, v), along_normal = smr_scale(n, smr_dot(n, displacement));
+    if (smr_dot(n, n) < 0.5f)
+        return displacement;
+    return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
+}
 
 /* Returns a displacement to the target, mm, shortened by config.partial.noise_mm; 0 within the noise. */
 static inline smr_vec smr_beyond_noise(const smr_surface_goals *g, smr_vec r)

@@ -12,6 +12,11 @@
 #define SMR_VIEW_FULL 0.4f
 #define SMR_KEY_ROUNDED 4.0e-6f /* mm: more than the rounding of a near distance plus the path */
 
+/* Instructions at most: of a target vertex but its searches, for each structure, and for each place that it pulls. */
+#define SMR_WORK_TARGET 1500u
+#define SMR_WORK_STRUCTURE 40u
+#define SMR_WORK_PULL 700u
+
 uint32_t smr_attract_tasks(const void *arg)
 {
     const smr_surface_goals *g = arg;
@@ -31,40 +36,39 @@ static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query 
     q->normal = smr_scale(view, 1.0f / length);
 }
 
-/* Finds the closest acceptable model point on structures with this target. Returns the structure or SMR_NONE. */
-static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
-                                  smr_hit *hit, smr_near_list *near, smr_certainty *known)
+/* Finds the closest acceptable model point on structures with this target, first on the structure found last, whose
+ * distance shortens the other searches. Returns 0 when the work ended. */
+static int closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
+                             smr_worker *w, smr_certainty *known)
 {
     const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
+    const uint32_t n_structures = g->shared->n_structures;
     smr_near_list list;
-    uint32_t found = SMR_NONE, n_searched = 0;
-    /* round 0: the structure found last, whose distance shortens the search of the others */
-    for (uint32_t round = 0; round < 2u; round++) {
-        for (uint32_t i = 0; i < g->shared->n_structures; i++) {
-            const smr_shape_structure *one = &g->shape->structure[i];
-            const uint32_t local = warm - one->first_triangle;
-            const int is_warm = warm != SMR_NONE && local < one->tree.n_triangles;
-            if (g->target[i].surface != surface || is_warm != (round == 0u))
-                continue;
-            if (bare)
-                face_view(g, i, q);
-            q->warm = is_warm ? local : SMR_NONE;
-            smr_hit h = *hit;
-            h.triangle = SMR_NONE;
-            smr_tree_near(&one->tree, q, &h, &list, known);
-            n_searched++;
-            if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
-                *hit = h;
-                memcpy(near, &list, offsetof(smr_near_list, item) + list.n * sizeof *list.item);
-                found = i;
-            }
-        }
-        if (known->sure)
-            return found;
+    for (; w->task.pull.at < 2u * n_structures && !known->sure; w->task.pull.at++) {
+        const uint32_t i = w->task.pull.at % n_structures;
+        const smr_shape_structure *one = &g->shape->structure[i];
+        const uint32_t local = warm - one->first_triangle;
+        const int is_warm = warm != SMR_NONE && local < one->tree.n_triangles;
+        if (g->target[i].surface != surface || is_warm != (w->task.pull.at < n_structures))
+            continue;
+        if (bare)
+            face_view(g, i, q);
+        q->warm = is_warm ? local : SMR_NONE;
+        smr_hit h = w->task.pull.hit;
+        h.triangle = SMR_NONE;
+        if (!smr_tree_near(&one->tree, q, &h, &list, known))
+            return 0;
+        w->task.pull.n++;
+        if (h.triangle == SMR_NONE ||
+            !(h.d2 < w->task.pull.hit.d2 || w->task.pull.found == SMR_NONE || i < w->task.pull.found))
+            continue;
+        w->task.pull.hit = h;
+        memcpy(&w->task.pull.near, &list, offsetof(smr_near_list, item) + list.n * sizeof *list.item);
+        w->task.pull.found = i;
     }
-    if (n_searched != 1u)
+    if (w->task.pull.n != 1u)
         known->other_mm = 0.0f; /* structures that share a target: nothing is known of the others */
-    return found;
+    return 1;
 }
 
 /* Adds the pull of a target vertex at y to the corners of a triangle. */
@@ -83,39 +87,45 @@ static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one,
 }
 
 /* Finds the model point closest to target vertex j, and adds the vertex' pulls on the model. */
-static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, int64_t *pull)
+static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, smr_worker *w, int64_t *pull)
 {
     const smr_surface *surface = goal->surface;
     const uint32_t slot = goal->first_warm + j;
     const smr_vec y = smr_add(smr_get3(surface->xyz, j), smr_sub(surface->origin, g->shape->origin));
     smr_query q = {y, smr_get3(surface->normal, j), g->shared->min_cos, g->shared->config.forces.node_budget, SMR_NONE};
-    smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
     g->target_residual[slot] = SMR_RESIDUAL_NONE;
     if (smr_is_cloud(surface) && !(surface->area[j] > 0.0f))
         return;
-    smr_near_list near;
-    smr_certainty known = smr_known(g, g->target_other[slot] - g->path, g->moved, SMR_LEARN_PULL);
-    g->target_other[slot] = 0.0f;
-    const uint32_t found = closest_structure(g, surface, &q, g->target_warm[slot], &hit, &near, &known);
-    if (found == SMR_NONE)
+    if (!w->pause.in_search) {
+        w->task.pull.at = w->task.pull.n = 0;
+        w->task.pull.found = SMR_NONE;
+        w->task.pull.hit = (smr_hit){g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
+    }
+    smr_certainty known = smr_known(g, g->target_other[slot] - g->path, g->moved, SMR_LEARN_PULL, &w->pause);
+    g->target_other[slot] = 0.0f; /* a search that is continued does not need the old value */
+    if (!closest_structure(g, surface, &q, g->target_warm[slot], w, &known) || w->task.pull.found == SMR_NONE)
         return;
-    const smr_shape_structure *one = &g->shape->structure[found];
+    const smr_hit *hit = &w->task.pull.hit;
+    const smr_near_list *near = &w->task.pull.near;
+    const smr_shape_structure *one = &g->shape->structure[w->task.pull.found];
     g->target_other[slot] = known.other_mm + g->path - SMR_KEY_ROUNDED;
-    g->target_warm[slot] = one->first_triangle + hit.triangle;
-    const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
+    g->target_warm[slot] = one->first_triangle + hit->triangle;
+    const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit->triangle, hit->weight));
     const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
     smr_residual_put(g, slot, SMR_SQRT(r2));
     if (smr_reject_distance(g, r2) || !(weight > 0.0f))
         return;
-    for (uint32_t i = 0; i < near.n; i++)
-        add_pull(g, one, y, &near.item[i], weight, pull);
+    smr_work(&w->pause, near->n * SMR_WORK_PULL);
+    for (uint32_t i = 0; i < near->n; i++)
+        add_pull(g, one, y, &near->item[i], weight, pull);
 }
 
 void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
 {
     smr_surface_goals *g = arg;
+    smr_worker *w = &g->shared->worker[worker];
     int64_t *pull = g->pull + 4u * (size_t)g->shared->n * worker;
     uint32_t k = 0;
     while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
@@ -125,8 +135,15 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
         return;
     const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
-    for (uint32_t j = first; j < last; j++)
-        pull_one(g, goal, j, pull);
+    const uint32_t work = SMR_WORK_TARGET + SMR_WORK_STRUCTURE * g->shared->n_structures;
+    smr_worker_needs(w, work + SMR_NEAR_MOST * SMR_WORK_PULL);
+    for (uint32_t j = first + w->at; j < last; j++) {
+        if (smr_worker_stops(w, j - first))
+            return;
+        pull_one(g, goal, j, w, pull);
+        if (smr_worker_kept(w, j - first, work))
+            return;
+    }
 }
 
 void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4])

@@ -40,7 +40,7 @@ void smr_schedule_start(smr *s)
     p->gain = p->fade = 1.0f;
     if (SMR_HAS_TRACK)
         smr_tracking_end(s);
-    s->step = s->next_task = 0;
+    smr_place_reset(s);
     s->forces.surface.limit = 0.0f;
     if (smr_visibility_on(&s->forces.surface))
         smr_visibility_start(&s->forces.surface);

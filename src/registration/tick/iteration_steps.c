@@ -50,7 +50,6 @@ static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
 static void reference_begin(smr *s) { smr_reference_begin(&s->reference); }
 static void reference_end(smr *s) { smr_reference_end(&s->reference); }
 static void evolve_end(smr *s) { smr_triangles_follow(&s->shape, s->shape.x_next); }
-static void triangles_end(smr *s) { smr_triangles_end(&s->shape); }
 static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
 static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
 
@@ -65,6 +64,28 @@ void smr_refit_again(void *s, uint32_t task, uint32_t worker) { smr_triangles_re
 
 static uint32_t one_task(const void *stage) { return (void)stage, 1u; }
 
+/* Exchanges normals with the next ones, which lie in the sums. A reader that comes before the last step finds the old
+ * ones there. */
+static void exchange_normals(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr *s = arg;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
+        const smr_vec next = smr_next_normal(s->sums.sum, v);
+        smr_next_normal_set(s->sums.sum, v, smr_get3(s->shape.normal, v));
+        smr_put3(s->shape.normal, v, next);
+    }
+}
+
+static uint32_t vertex_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
+
+uint32_t smr_normals_exchanged(const smr *s)
+{
+    uint32_t step = 0;
+    while (smr_steps[step].run != exchange_normals)
+        step++;
+    return s->step < step ? 0u : s->step > step ? s->shared.n : smr_min_u32(s->next_task * SMR_CHUNK, s->shared.n);
+}
+
 /* Exchanges x and x_next, and makes all results of the iteration current. */
 void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -73,8 +94,6 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
     float *before = shape->x;
     shape->x = shape->x_next;
     shape->x_next = before;
-    for (uint32_t v = 0; v < s->shared.n; v++)
-        smr_put3(shape->normal, v, smr_next_normal(s->sums.sum, v));
     smr_certainties_age(&s->forces.surface, s->evolve.moved_mm);
     if (smr_tracks(&s->schedule))
         smr_track_rest_commit(shape);
@@ -96,85 +115,89 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 
 void smr_abandon_iteration(smr *s)
 {
+    for (uint32_t v = 0; v < smr_normals_exchanged(s); v++)
+        smr_put3(s->shape.normal, v, smr_next_normal(s->sums.sum, v));
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
     smr_forces_reset(&s->forces);
     smr_match_reset(&s->match);
     smr_evolve_reset(&s->evolve);
     smr_triangles_now(&s->shape);
     smr_folds_reset(&s->folds);
-    s->step = s->next_task = 0;
+    smr_place_reset(s);
 }
 
-/* Rows of steps: tasks run in any order; one after the other (SERIAL); along the order L, in pieces (CHAIN). */
+/* Rows of steps, whose tasks run in any order, or one after the other (SERIAL). cost: thousands of instructions of a
+ * task at most on a Cortex-M7; 0: tasks count their work. */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
-#define SMR_ROW(part, phase, work, order, member, n_tasks, run, end, pieces, abreast)                                  \
+#define SMR_ROW(part, phase, work, order, cost, member, n_tasks, run, end)                                             \
     {                                                                                                                  \
-        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, order, offsetof(smr, member), SMR_IN(part, n_tasks),      \
-            SMR_IN(part, run), end, pieces, abreast                                                                    \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, order, offsetof(smr, member), 1000u * (cost),             \
+            SMR_IN(part, n_tasks), SMR_IN(part, run), end                                                              \
     }
-#define SMR_STEP(part, phase, work, member, n_tasks, run, end)                                                         \
-    SMR_ROW(part, phase, work, SMR_ANY_ORDER, member, n_tasks, run, end, NULL, NULL)
-#define SMR_SERIAL_STEP(part, phase, work, member, n_tasks, run, end)                                                  \
-    SMR_ROW(part, phase, work, SMR_SERIAL, member, n_tasks, run, end, NULL, NULL)
-#define SMR_CHAIN_STEP(part, phase, work, member, n_tasks, run, pieces, abreast)                                       \
-    SMR_ROW(part, phase, work, SMR_ANY_ORDER, member, n_tasks, run, NULL, SMR_IN(part, pieces), SMR_IN(part, abreast))
+#define SMR_STEP(part, phase, work, cost, member, n_tasks, run, end)                                                   \
+    SMR_ROW(part, phase, work, SMR_ANY_ORDER, cost, member, n_tasks, run, end)
+#define SMR_SERIAL_STEP(part, phase, work, cost, member, n_tasks, run, end)                                            \
+    SMR_ROW(part, phase, work, SMR_SERIAL, cost, member, n_tasks, run, end)
 
 /* clang-format off */
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
     /* dynamics: start positions of the sweep */
-    SMR_STEP(DYNAMICS, FORCES, TASKS, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
+    SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
-    SMR_STEP(CALLER, FORCES, TASKS, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
-    SMR_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
-    SMR_SERIAL_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_outlier_tasks, smr_outlier_sum, NULL),
-    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
-    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve, NULL),
-    SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),
-    SMR_STEP(PLAIN, FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
+    SMR_STEP(CALLER, FORCES, TASKS, 30, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
+    SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
+    SMR_SERIAL_STEP(PLAIN, FORCES, TASKS, 90, forces.surface, smr_outlier_tasks, smr_outlier_sum, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 50, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 90, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve,
+                    NULL),
+    SMR_STEP(IMAGE, FORCES, TASKS, 0, forces.image, smr_fill_tasks, smr_fill_sum, NULL),
+    SMR_STEP(PLAIN, FORCES, ACTIVE, 0, forces, smr_forces_tasks, smr_forces_search, NULL),
     /* smooths and searches for contact of the active vertices, whose number is now final; then computes forces */
-    SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
-    SMR_STEP(CONTACT, FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
-    SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
+    SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, 30, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
+    SMR_STEP(CONTACT, FORCES, ACTIVE, 0, forces, smr_contact_tasks, smr_contact_search, NULL),
+    SMR_STEP(PLAIN, FORCES, TASKS, 0, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
     /* rest pose; where x^r or the active vertices are new: centres, masses and spreads of the clusters */
-    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
-    SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
-    SMR_STEP(REFERENCE, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
-    SMR_CHAIN_STEP(REFERENCE, SUMS, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
-    SMR_SERIAL_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
-    SMR_STEP(REFERENCE, SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 15, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
+    SMR_STEP(REFERENCE, SUMS, TASKS, 8, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
+    SMR_STEP(REFERENCE, SUMS, ACTIVE, 40, reference, smr_reference_record_tasks, smr_reference_record, NULL),
+    SMR_STEP(REFERENCE, SUMS, LISTS, 0, sums, smr_block_tasks, smr_sums_forest, NULL),
+    SMR_SERIAL_STEP(REFERENCE, SUMS, TASKS, 60, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
+    SMR_STEP(REFERENCE, SUMS, TASKS, 45, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
-    SMR_STEP(PLAIN, SUMS, ACTIVE, sums, smr_sums_record_tasks, smr_sums_record, NULL),
-    SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
-    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
-    SMR_STEP(PLAIN, MATCH, ACTIVE, match, smr_match_cluster_tasks, smr_match_clusters, match_end),
+    SMR_STEP(PLAIN, SUMS, ACTIVE, 60, sums, smr_sums_record_tasks, smr_sums_record, NULL),
+    SMR_STEP(PLAIN, SUMS, LISTS, 0, sums, smr_block_tasks, smr_sums_forest, NULL),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 20, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
+    SMR_STEP(PLAIN, MATCH, ACTIVE, 97, match, smr_match_cluster_tasks, smr_match_clusters, match_end),
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
-    SMR_STEP(PLAIN, AVERAGE, ACTIVE, match, smr_average_tasks, smr_average_record, NULL),
-    SMR_CHAIN_STEP(PLAIN, AVERAGE, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
-    SMR_SERIAL_STEP(PLAIN, AVERAGE, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
+    SMR_STEP(PLAIN, AVERAGE, ACTIVE, 50, match, smr_average_tasks, smr_average_record, NULL),
+    SMR_STEP(PLAIN, AVERAGE, LISTS, 0, sums, smr_block_tasks, smr_sums_forest, NULL),
+    SMR_SERIAL_STEP(PLAIN, AVERAGE, TASKS, 20, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
     /* evolve positions, x = x~, smoothed along the surface; dynamics: end positions of the sweep */
-    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_tasks, smr_tangent_clear, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_sum_tasks, smr_tangent_sum, NULL),
-    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
-    SMR_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_sweep_tasks, smr_sweep_end, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 8, evolve.tangent_smooth, smr_tangent_tasks, smr_tangent_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 25, evolve.tangent_smooth, smr_tangent_sum_tasks, smr_tangent_sum, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 70, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
+    SMR_STEP(DYNAMICS, EVOLVE, TASKS, 45, magic, smr_sweep_tasks, smr_sweep_end, NULL),
     /* volume preservation; positions out of contact; triangles */
-    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_correct, NULL),
-    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
-    SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_triangles_tasks, smr_triangles_refit, triangles_end),
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, 60, volumes, smr_volume_tasks, smr_volume_correct, NULL),
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, 90, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 90, shape, smr_triangles_tasks, smr_triangles_refit, NULL),
     /* search for folds; then repair, limit or open folds */
-    SMR_STEP(PLAIN, EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
-    SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, triangles_again, smr_refit_again, triangles_end),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 0, folds, smr_fold_find_tasks, smr_fold_find, find_end),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, 90, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, 90, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, 90, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
+    SMR_STEP(PLAIN, EVOLVE, FOLDS, 90, magic, triangles_again, smr_refit_again, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 88, shape, smr_uppers_tasks, smr_uppers_refit, NULL),
     /* tracking and dynamics: poses of structures, which x^r follows */
-    SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
+    SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, 40, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
     /* displacements; normals; then all results become current at once, and x^r is set to x by plasticity */
-    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
-    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
-    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
-    SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_step_energy_tasks, smr_step_energy, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, one_task, smr_commit, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 20, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 4, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 40, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 10, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 4, magic, vertex_tasks, exchange_normals, NULL),
+    SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, 40, magic, smr_step_energy_tasks, smr_step_energy, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 90, magic, one_task, smr_commit, NULL),
 };
 /* clang-format on */
 

@@ -32,11 +32,10 @@ typedef struct smr_step {
     uint16_t phase;       /* SMR_PHASE_...: phase to which the step's time counts */
     uint16_t work, order; /* SMR_WORK_...: what the step's time is proportional to; order of tasks, SMR_SERIAL or any */
     uint32_t stage;       /* offset of the stage's struct in the registration, bytes */
+    uint32_t cost;        /* instructions of a task at most, on a Cortex-M7; 0: tasks count their work, and may stop */
     smr_count_tasks *n_tasks;
     smr_task run;
     void (*end)(smr *s);
-    void (*pieces)(void *stage, int cut); /* before the first task: cuts tasks into pieces if cut is 1; NULL: none */
-    smr_count_tasks *abreast; /* number of independent pieces; later pieces need their results. NULL: all pieces */
 } smr_step;
 
 extern const smr_step smr_steps[];
@@ -64,6 +63,9 @@ int smr_forces_pending(const smr *s);        /* 1: the forces of the current ite
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 
+/* Returns the number of vertices whose normals are exchanged with the next ones, in smr_sums.sum, before a commit. */
+uint32_t smr_normals_exchanged(const smr *s);
+
 /* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which existed. */
 void smr_abandon_iteration(smr *s);
 
@@ -77,11 +79,12 @@ void smr_budget_start(smr *s);                    /* sets the costs of all steps
 void smr_budget_plan(smr *s, uint64_t budget_ns); /* before an iteration: decides whether vertices may be left out */
 void smr_budget_resume(smr *s);                   /* when a tick continues an iteration: marks the iteration as late */
 void smr_budget_done(smr *s);                     /* after an iteration: stores its time; adapts the margin */
-/* returns 1 when the remaining time, left_ns, is needed for the rest of the iteration */
-int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group);
-uint32_t smr_budget_group(smr *s, uint32_t n_tasks); /* number of tasks between two readings of the clock */
-uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* predicted ns of `group` tasks; 0: unknown */
-void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);      /* adds ns to the step's time */
-void smr_budget_learn(smr *s, uint32_t n_tasks);                     /* after a step: stores its cost */
+/* Returns 1 when the remaining time, left_ns, is needed for the rest of the iteration. reached: vertices searched. */
+int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t reached);
+uint32_t smr_budget_stretch(const smr *s,
+                            uint64_t left_ns); /* work of each worker until the next reading of the clock */
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t stretch); /* predicted ns of that work; 0: unknown */
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns);        /* adds ns to the step's time */
+void smr_budget_learn(smr *s, uint32_t n_tasks);                       /* after a step: stores its cost */
 
 #endif

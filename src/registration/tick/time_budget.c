@@ -18,15 +18,20 @@
 #define SMR_LATE 0.0625f     /* added to the factor on the reserve when an iteration did not end in its tick */
 #define SMR_IN_TIME 0.001f   /* subtracted from the factor on the reserve per iteration in time: one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* ns: a longer time between two readings, beyond the budget, is a jump */
-#define SMR_FORK_NS 50000.0f      /* ns of work that justify one parallel loop */
-#define SMR_FORK_TASKS 64.0f      /* most tasks for each worker in one parallel loop */
-#define SMR_LOOK 16u              /* fewest vertices between two checks of the reserve */
-#define SMR_CLOSING 3u            /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
+#define SMR_READ_NS 15000.0f      /* ns of cluster sums between two readings of the clock by a fast processor */
+#define SMR_FORK_NS 30000.0f      /* the same with several workers, where each parallel loop costs time */
+#define SMR_PACE_MOST 4.0f        /* largest ratio of a measured time of an instruction to the mean that counts */
+#define SMR_PART 0.3f             /* time of cluster sums / time of searches with as much work */
+#define SMR_PACE_FAST 0.05f  /* ns an instruction of work below which a processor works longer than SMR_WORK_MOST */
+#define SMR_WORK_LONG 4.0e6f /* most work between two readings of the clock, instructions */
+#define SMR_LOOK 16u         /* fewest vertices between two checks of the reserve */
+#define SMR_CLOSING 3u       /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
 
 void smr_budget_start(smr *s)
 {
     memset(&s->budget, 0, sizeof s->budget);
     s->budget.margin = SMR_MARGIN_MIN;
+    s->budget.pace = SMR_UNKNOWN;
     for (uint32_t i = 0; i < SMR_STEPS_MAX; i++)
         s->budget.rate[i] = SMR_UNKNOWN;
 }
@@ -53,10 +58,26 @@ static float blend(const smr_time_budget *c, float rate, float sample, float uni
     return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
 }
 
+/* Learns the time of an instruction of work, from cluster sums of most vertices, whose work is counted closely. The
+ * counted work of others is far too large for some tasks, which would make the next stretches too long. */
+static void learn_pace(smr_time_budget *c, float ns)
+{
+    const float sample = ns / (float)c->work;
+    if (c->pace < 0.0f)
+        c->pace = sample;
+    else
+        c->pace += (sample > c->pace ? SMR_RISE : SMR_FALL) * (smr_min(sample, SMR_PACE_MOST * c->pace) - c->pace);
+}
+
 void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns)
 {
+    smr_time_budget *c = &s->budget;
     const uint64_t most = budget_ns > SMR_STRETCH_NS ? budget_ns : SMR_STRETCH_NS;
-    s->budget.spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - s->budget.spent));
+    const int close = smr_steps[s->step].work == SMR_WORK_LISTS && 2u * s->schedule.n_active >= s->shared.n;
+    if (c->work >= SMR_WORK_MOST / 4u && close)
+        learn_pace(c, (float)ns);
+    c->work = 0;
+    c->spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - c->spent));
 }
 
 void smr_budget_learn(smr *s, uint32_t n_tasks)
@@ -134,25 +155,24 @@ void smr_budget_plan(smr *s, uint64_t budget_ns)
     s->budget.uncut = s->shared.config.basic.budget_exact || closing || cost > (float)budget_ns;
 }
 
-uint32_t smr_budget_group(smr *s, uint32_t n_tasks)
+/* Returns the time of cluster sums between two readings of the clock, ns. */
+static float between_readings(const smr *s) { return s->port.n_workers > 1u ? SMR_FORK_NS : SMR_READ_NS; }
+
+uint32_t smr_budget_stretch(const smr *s, uint64_t left_ns)
 {
-    const smr_step *step = &smr_steps[s->step];
-    const uint32_t workers = smr_max_u32(s->port.n_workers, 1u);
-    const float rate = s->budget.rate[s->step];
-    if (workers == 1u || n_tasks == 0u || !(rate >= 0.0f))
-        return workers;
-    const float task_ns = smr_max(rate * units_of(s, step, n_tasks) * (float)workers / (float)n_tasks, 1.0f);
-    return workers * smr_max_u32((uint32_t)smr_min(SMR_FORK_NS / task_ns, SMR_FORK_TASKS), 1u);
+    const float ns = smr_min(between_readings(s), (float)left_ns), pace = s->budget.pace;
+    const int fast = pace > 0.0f && pace < SMR_PACE_FAST;
+    return fast ? (uint32_t)smr_clamp(ns / pace, (float)SMR_WORK_MOST, SMR_WORK_LONG) : SMR_WORK_MOST;
 }
 
-uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group)
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t work)
 {
     const smr_step *step = &smr_steps[s->step];
-    const float rate = s->budget.rate[s->step];
-    if (rate < 0.0f || n_tasks == 0u || step->work == SMR_WORK_FOLDS)
+    const float rate = s->budget.rate[s->step], pace = s->budget.pace;
+    if (rate < 0.0f || n_tasks == 0u || pace < 0.0f || step->work == SMR_WORK_FOLDS)
         return 0;
-    const float tasks = (float)smr_min_u32(group, n_tasks);
-    return (uint64_t)smr_min(rate * units_of(s, step, n_tasks) * tasks / (float)n_tasks, SMR_FOREVER);
+    const float rest = rate * units_of(s, step, n_tasks) * (float)(n_tasks - s->next_task) / (float)n_tasks;
+    return (uint64_t)smr_min(smr_min(rest, pace * (float)work / SMR_PART), SMR_FOREVER);
 }
 
 void smr_budget_resume(smr *s) { s->budget.late = !s->budget.uncut; }
@@ -169,10 +189,11 @@ void smr_budget_done(smr *s)
     c->margin = smr_clamp(c->margin + (c->late ? SMR_LATE : -SMR_IN_TIME), SMR_MARGIN_MIN, SMR_MARGIN_MAX);
 }
 
-int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
+int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t reached)
 {
-    const uint32_t chunk = smr_force_chunk(&s->forces), reached = s->next_task * chunk,
-                   more = smr_max_u32(group * chunk, SMR_LOOK);
+    const float rate = smr_max(s->budget.rate[s->step], 0.0f);
+    const float soon = between_readings(s) * (float)smr_max_u32(s->port.n_workers, 1u) / smr_max(rate, 1.0f);
+    const uint32_t more = smr_max_u32((uint32_t)soon, SMR_LOOK);
     if (s->schedule.n_active_chosen > 0u || reached < fewest(s))
         return 0;
     if (s->schedule.repairing > 0u && !s->shared.config.basic.budget_exact)
@@ -181,6 +202,5 @@ int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
         return 0;
     s->budget.look = reached + more;
     const uint32_t next = smr_min_u32(reached + more, s->schedule.n_active);
-    const float force = smr_max(s->budget.rate[s->step], 0.0f) * (float)(next - reached);
-    return force + cost_of(s, s->step + 1u, next) > (float)left_ns;
+    return rate * (float)(next - reached) + cost_of(s, s->step + 1u, next) > (float)left_ns;
 }
