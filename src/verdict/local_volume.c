@@ -27,6 +27,7 @@ typedef struct local {
     smr_schedule schedule; /* a copy with the lists of the requested radius */
     smr_shape shape;       /* a copy with the pose from the rest shape to the present one */
     smr_sums sums;
+    uint32_t block;     /* block of the order L whose lists are summed */
     uint32_t rest;      /* 1: the rest shape is recorded; 0: the present one */
     float area, volume; /* largest values of vertices so far, mm^2 and mm^3 */
     float *part;        /* [n][SMR_LOCAL_WORDS] floating-point values of each vertex, of one shape */
@@ -121,16 +122,27 @@ static void end_records(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
     if (l->rest == 0u)
         l->job.head.next_stage = l->job.head.stage - 4u;
     l->rest = 1;
-    smr_block_pieces(&l->sums, 1);
+    l->block = 0;
+    smr_worker_start(&l->shared->worker[0]);
 }
 
-static uint32_t block_tasks(const void *job) { return smr_block_tasks(&((const local *)job)->sums); }
-static uint32_t block_abreast(const void *job) { return smr_block_abreast(&((const local *)job)->sums); }
-static uint32_t boundary_tasks(const void *job) { return smr_boundary_tasks(&((const local *)job)->sums); }
-static void sum_block(void *job, uint32_t task, uint32_t worker)
+/* Sums a part of the lists of the current block, and comes back until no block is left. */
+static void sum_lists(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    smr_sums_forest(&((local *)job)->sums, task, worker);
+    local *l = job;
+    smr_worker *w = &l->shared->worker[0];
+    w->pause.left = SMR_WORK_MOST;
+    w->pause.kept = 0;
+    smr_sums_forest(&l->sums, l->block, 0);
+    if (!w->pause.kept) {
+        smr_worker_start(w);
+        l->block++;
+    }
+    if (l->block < smr_block_tasks(&l->sums))
+        l->job.head.next_stage = l->job.head.stage;
 }
+
+static uint32_t boundary_tasks(const void *job) { return smr_boundary_tasks(&((const local *)job)->sums); }
 static void sum_boundary(void *job, uint32_t task, uint32_t worker)
 {
     smr_boundary_sums(&((local *)job)->sums, task, worker);
@@ -189,7 +201,7 @@ static const smr_stage stages[] = {
     {vertex_tasks, find_largest, smr_in_order, NULL},
     {vertex_tasks, record, NULL, NULL},
     {NULL, end_records, NULL, NULL}, /* back to `clear` */
-    {block_tasks, sum_block, block_abreast, NULL},
+    {NULL, sum_lists, NULL, NULL},
     {boundary_tasks, sum_boundary, smr_in_order, NULL},
     {ratio_tasks, find_ratios, NULL, NULL},
 };
