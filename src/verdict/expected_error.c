@@ -227,7 +227,7 @@ static float noise_of(const normal_field *f, uint32_t structure)
         smr_put3(rings->displacement, v,
                  smr_sub(smr_get3(s->shape.x, v), smr_pose_apply(&f->pose, smr_get3(s->shape.start, v))));
     for (uint32_t k = 0; k < one->tree.n_triangles; k++)
-        smr_ring_add(rings, one->tree.triangle + 3u * (size_t)k, rings->displacement);
+        smr_ring_add(rings, smr_model_triangle(&s->shared, one->first_triangle + k), rings->displacement);
     for (uint32_t v = 0; v < s->shared.n; v++) {
         if (!(rings->weight[v] > 0.0f) || !is_observed(s, v))
             continue;

@@ -59,7 +59,7 @@ static void record(local *l, int rest)
     float area = 0.0f, volume = 0.0f;
     memset(l->part, 0, SMR_LOCAL_WORDS * sizeof(float) * (size_t)n);
     for (uint32_t k = 0; k < l->shared->n_triangles; k++) {
-        const uint32_t *t = l->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(l->shared, k);
         smr_vec p[3];
         for (uint32_t c = 0; c < 3u; c++)
             p[c] = rest ? smr_rest_posed(&l->shape, t[c]) : smr_get3(l->shape.x, t[c]);
@@ -121,8 +121,7 @@ static float ratio_at(const local *l, uint32_t v)
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio)
 {
     local l;
-    if (s == NULL || ratio == NULL)
-        return SMR_E_NULL;
+    SMR_TRY(ratio == NULL ? SMR_E_NULL : smr_sound(s));
     if (!smr_ready(s) || s->step != 0u || s->next_task != 0u)
         return SMR_E_STATE;
     if ((structure != SMR_ALL && structure >= s->shared.n_structures) || !(radius_mm >= 0.0f) ||

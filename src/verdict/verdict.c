@@ -36,18 +36,16 @@ const char *smr_reason_text(uint32_t bit)
         return "structures that are not good make up much of the model: look at their own verdicts";
     case SMR_REASON_RECOVERING:
         return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
+    case SMR_REASON_UNCHECKED: return "inputs were not checked for faults since the last iteration: call smr_scrub()";
     default: return "";
     }
 }
 
-/* Checks that measures can be taken now and that `out` exists. Errors: E_NULL, E_STATE. */
+/* Checks that measures can be taken now and that `out` exists. Errors: E_NULL, E_STATE, E_DAMAGED. */
 static smr_status check(const smr *s, const void *out)
 {
-    if (s == NULL || out == NULL)
-        return SMR_E_NULL;
-    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_inputs_valid(&s->forces))
-        return SMR_E_STATE;
-    return SMR_OK;
+    SMR_TRY(out == NULL ? SMR_E_NULL : smr_sound(s));
+    return smr_ready(s) && s->step == 0u && s->next_task == 0u ? smr_inputs_valid(&s->forces) : SMR_E_STATE;
 }
 
 /* Clears e and stores the measures of one structure there: all, or those on which the expected errors depend. */
@@ -146,6 +144,8 @@ static void note_recovering(const smr *s, smr_verdict *verdict)
     const smr_schedule *p = &s->schedule;
     if (p->recovering == 1u || p->serial != p->n_set)
         add_doubt(verdict, SMR_REASON_RECOVERING);
+    if ((s->scrub.what & SMR_SCRUB_INPUTS) && !s->scrub.checked)
+        add_doubt(verdict, SMR_REASON_UNCHECKED);
 }
 
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)

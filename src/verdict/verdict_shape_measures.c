@@ -53,7 +53,7 @@ static float scale_of(const smr_pose *p)
 static void add_edges(const smr *s, const smr_shape_structure *one, float scale, smr_evidence *e)
 {
     for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
-        const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(&s->shared, one->first_triangle + k);
         for (uint32_t c = 0; c < 3u; c++) {
             const uint32_t a = t[c], b = t[(c + 1u) % 3u];
             const float now = smr_length(smr_sub(smr_get3(s->shape.x, a), smr_get3(s->shape.x, b)));
@@ -72,10 +72,10 @@ static void add_volume(const smr *s, const smr_shape_structure *one, float scale
     smr_vec all = smr_v(0, 0, 0);
     if (one->tree.n_triangles == 0u)
         return;
-    const uint32_t first = one->tree.triangle[0];
+    const uint32_t first = smr_model_triangle(&s->shared, one->first_triangle)[0];
     const smr_vec o = smr_get3(s->shape.x, first), r = smr_rest(&s->shared, first);
     for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
-        const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(&s->shared, one->first_triangle + k);
         smr_vec x[3], y[3];
         for (uint32_t c = 0; c < 3u; c++) {
             x[c] = smr_sub(smr_get3(s->shape.x, t[c]), o);

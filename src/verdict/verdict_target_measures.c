@@ -153,10 +153,9 @@ static void add_agreement(const surface_pair *p, group *g, smr_evidence *e)
 /* Adds the visible share of the structure's area, and agreement of normals where the structure is near the target. */
 static void add_model(const surface_pair *p, float near, smr_evidence *e)
 {
-    const uint32_t *const triangle = p->one->tree.triangle;
     group g = {.n = 0};
     for (uint32_t k = 0; k < p->one->tree.n_triangles; k++) {
-        const uint32_t *t = triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(&p->s->shared, p->one->first_triangle + k);
         const smr_corner_values corner = smr_corners_of(p->s->shape.x, t);
         const smr_vec normal = smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f);
         const float area = smr_length(normal);
@@ -186,7 +185,8 @@ static int is_covered(const surface_pair *p, smr_vec c, float near, measured *la
     const float before = last->mm;
     last->at = c;
     if (before < SMR_FAR) {
-        const uint32_t *t = p->s->shape.structure[last->structure].tree.triangle + 3u * (size_t)last->triangle;
+        const smr_box_tree *f = &p->s->shape.structure[last->structure].tree;
+        const uint32_t *t = smr_triangle_of(f->triangle, last->triangle, f->n_vertices);
         const smr_corner_values corner = smr_corners_of(p->s->shape.x, t);
         last->mm = SMR_SQRT(smr_triangle_closest(c, corner.a, corner.b, corner.c, hit.weight));
         if (last->mm <= near)
@@ -208,7 +208,8 @@ static void add_target(const surface_pair *p, float near, smr_evidence *e)
     smr_hit hit;
     const int is_model = closest(p->s, p->target, &any, SMR_FAR, &hit) != SMR_NONE; /* 0: no structure has triangles */
     for (uint32_t k = 0; k < p->target->tree.n_triangles; k++) {
-        const smr_corner_values corner = smr_corners_of(p->target->xyz, p->target->triangle + 3u * (size_t)k);
+        const smr_corner_values corner =
+            smr_corners_of(p->target->xyz, smr_triangle_of(p->target->triangle, k, p->target->n_vertices));
         const float area = smr_length(smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f));
         const int other = smr_tree_left_out(&p->mask, k);
         smr_mean_add(&e->others, other ? 1.0f : 0.0f, area);
@@ -287,7 +288,7 @@ static void measure_points(const smr *s, uint32_t structure, int all, smr_eviden
     if (!all)
         return;
     for (uint32_t k = 0; k < f->n_triangles; k++) {
-        const uint32_t *t = f->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_triangle_of(f->triangle, k, f->n_vertices);
         smr_mean_add(&e->visible, visible_part(s, t), 0.5f * smr_length(smr_corners_cross(s->shape.x, t)));
     }
     add_points(s, structure, cloud, near, e);

@@ -59,7 +59,7 @@ static void add_crossing(line *l, float at, int turn)
 
 static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_t k, int weight)
 {
-    const uint32_t *t = s->triangle + 3u * (size_t)k;
+    const uint32_t *t = smr_triangle_of(s->triangle, k, s->n_vertices);
     const int turn = beside(s, l, shift, t[0], t[1]);
     if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
         return;
@@ -83,7 +83,7 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
-        const smr_node *node = &f->node[f->level[level] + index];
+        const smr_node *node = &f->node[smr_min_u32(f->level[level] + index, f->level[f->n_levels - 1u])];
         for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
             const uint32_t child = index * SMR_TREE_WIDTH + k;
             if (!(node->lo[l->u][k] <= u && node->lo[l->v][k] <= v && node->hi[l->u][k] >= u && node->hi[l->v][k] >= v))
@@ -121,7 +121,7 @@ static float side_of(const sweep *s, smr_vec p, float most)
 /* Adds depth and contact area at three points of triangle k of a to the sweep, unless the triangle is far from b. */
 static void sample_triangle(sweep *s, uint32_t k)
 {
-    const uint32_t *t = s->a->triangle + 3u * (size_t)k;
+    const uint32_t *t = smr_triangle_of(s->a->triangle, k, s->a->n_vertices);
     smr_vec corner[3];
     float round2 = 0.0f;
     for (uint32_t i = 0; i < 3u; i++)
@@ -149,7 +149,7 @@ static smr_box used_box(const smr_surface *s)
 {
     smr_box box = no_box;
     for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++)
-        smr_box_grow(&box, smr_get3(s->xyz, s->triangle[i]));
+        smr_box_grow(&box, smr_get3(s->xyz, smr_index(s->triangle[i], s->n_vertices)));
     return box;
 }
 

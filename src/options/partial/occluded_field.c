@@ -124,7 +124,7 @@ static void add_visible(smr_occluded_field *f, const uint32_t *control, float ra
 {
     const float noise_variance = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_NOISE, one = (float)SMR_VISIBLE_ONE;
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
-        const uint32_t v = control[k - f->landmarks->n];
+        const uint32_t v = smr_index(control[k - f->landmarks->n], f->shared->n);
         const float shown = (float)smr_field_visibility(f, v), counts = f->by_normals ? 2.0f * shown - one : shown;
         add_control(f, k, smr_get3(smr_field_start(f), v), smr_get3(f->shape->x, v), 1.0f, fit);
         f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
@@ -179,7 +179,7 @@ void smr_occluded_field_solve(void *arg, uint32_t task, SMR_UNUSED uint32_t work
     else if (task < tries)
         choose(f, task - first);
     else if (task == tries)
-        begin(f, choice(f)->n);
+        begin(f, smr_min_u32(choice(f)->n, f->most - f->landmarks->n));
     else if (task <= then)
         smr_field_roughness_try(f, task - tries - 1u);
     else if (task - then <= f->n)

@@ -43,8 +43,8 @@ void smr_fold_find(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     uint32_t n = 0, n_open = 0;
     for (uint32_t i = task * SMR_DIHEDRAL_CHUNK; i < last; i++) {
         const smr_stored_dihedral *h = dihedral + i;
-        const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
-        const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(h));
+        const smr_vec a = smr_load(normal + 3u * (size_t)smr_edge_first(f, h));
+        const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(f, h));
         const float next = smr_dot(a, b);
         if (!(next < SMR_LIMIT_BELOW))
             continue;

@@ -31,6 +31,7 @@ void smr_block_pieces(void *arg, int cut)
     uint32_t largest = 0;
     for (uint32_t i = 0; cut && i < l->n_blocks; i++)
         largest = smr_max_u32(largest, smr_le32(l->block[i + 1u].first) - smr_le32(l->block[i].first));
+    largest = smr_min_u32(largest, l->n);
     s->pieces = l->n_blocks > s->shared->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
 }
 
@@ -83,42 +84,44 @@ static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l)
             acc[k] operation load_lanes(r + 4u * k);                                                                   \
     }
 
-/* A piece of a block: entries from .. to - 1; `index` is the first index of entry `from`. */
+/* A piece of a block: entries from .. to - 1 of those from `first` on; `index` is the first index of entry `from`. */
 typedef struct piece {
-    uint32_t block, from, to, index;
+    uint32_t first, from, to, index;
 } piece;
 
 #define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                                           \
     static inline uint32_t name(const smr_lists *l, piece p, uint32_t limit, const uint32_t *record, uint32_t *sum,    \
                                 const uint32_t n_lanes)                                                                \
     {                                                                                                                  \
-        const entry_type *entry = (const entry_type *)l->entry + smr_le32(l->block[p.block].first);                    \
+        const entry_type *entry = (const entry_type *)l->entry + p.first;                                              \
         const index_type *index = (const index_type *)l->index + p.index;                                              \
-        const int all = limit >= smr_le32(l->block[l->n_blocks].first);                                                \
+        const index_type *const end = (const index_type *)l->index + l->n_indexes;                                     \
+        const uint32_t n = l->n;                                                                                       \
+        const int all = limit >= n;                                                                                    \
         for (uint32_t e = p.from; e < p.to; e++) {                                                                     \
-            const uint32_t parent = load(entry[e].parent);                                                             \
-            const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);                               \
-            const index_type *const minus = index + load(entry[e].n_plus), *const next =                               \
-                                                                               minus + load(entry[e].n_minus);         \
+            const uint32_t parent = smr_min_u32(load(entry[e].parent), e);                                             \
+            const uint32_t *from = sum + SMR_WORDS * (size_t)smr_index(load(entry[parent].vertex), n);                 \
+            const index_type *const minus = index + smr_min_u32(load(entry[e].n_plus), (uint32_t)(end - index));       \
+            const index_type *const next = minus + smr_min_u32(load(entry[e].n_minus), (uint32_t)(end - minus));       \
             lanes acc[SMR_WORDS / 4u] = {{0}};                                                                         \
             for (uint32_t k = 0; parent != e && k < n_lanes; k++)                                                      \
                 acc[k] = load_lanes(from + 4u * k);                                                                    \
             if (all || index == minus || load(minus[-1]) < limit)                                                      \
-                for (uint32_t n = load(entry[e].n_plus); n > 0u; n--)                                                  \
-                    SMR_ADD(+=, load(*index++))                                                                        \
+                for (; index < minus; index++)                                                                         \
+                    SMR_ADD(+=, smr_index(load(*index), n))                                                            \
             else                                                                                                       \
                 for (; load(*index) < limit; index++)                                                                  \
                     SMR_ADD(+=, load(*index))                                                                          \
             index = minus;                                                                                             \
             if (all || index == next || load(next[-1]) < limit)                                                        \
-                for (uint32_t n = load(entry[e].n_minus); n > 0u; n--)                                                 \
-                    SMR_ADD(-=, load(*index++))                                                                        \
+                for (; index < next; index++)                                                                          \
+                    SMR_ADD(-=, smr_index(load(*index), n))                                                            \
             else                                                                                                       \
                 for (; load(*index) < limit; index++)                                                                  \
                     SMR_ADD(-=, load(*index))                                                                          \
             index = next;                                                                                              \
             for (uint32_t k = 0; k < n_lanes; k++)                                                                     \
-                store_lanes(sum + SMR_WORDS * (size_t)load(entry[e].vertex) + 4u * k, acc[k]);                         \
+                store_lanes(sum + SMR_WORDS * (size_t)smr_index(load(entry[e].vertex), n) + 4u * k, acc[k]);           \
         }                                                                                                              \
         return (uint32_t)(index - (const index_type *)l->index);                                                       \
     }
@@ -145,13 +148,14 @@ void smr_sums_forest(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_lists *l = &s->schedule->lists;
     const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % l->n_blocks, i = task / l->n_blocks;
     const smr_stored_block *b = &l->block[block];
-    const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
-    piece p = {block, 0, length, smr_le32(b->first_index)};
+    const uint32_t first = smr_min_u32(smr_le32(b[0].first), l->n), end = smr_min_u32(smr_le32(b[1].first), l->n);
+    const uint32_t length = end > first ? end - first : 0u;
+    piece p = {first, 0, length, smr_min_u32(smr_le32(b->first_index), l->n_indexes)};
     if (pieces > 1u) {
         p.from = smr_min_u32(i * entries_of(s), length);
         p.to = smr_min_u32(p.from + entries_of(s), length);
         if (i > 0u)
-            p.index = s->tally[block].sums.index;
+            p.index = smr_min_u32(s->tally[block].sums.index, l->n_indexes);
         s->tally[block].sums.index = chain(s, p);
         return;
     }
