@@ -89,6 +89,7 @@ PAGE_OBJ    := $(BUILD)/obj/page/report_page.o
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
+FAULTS_SRC  := $(sort $(wildcard tests/faults/*.c))
 GOLDEN_OBJ  := $(call obj,$(addprefix tests/golden/golden,.c _goals.c _images.c _save.c)) $(PRINT_OBJ)
 
 CORE_LIB    := $(BUILD)/libsmr.a
@@ -106,13 +107,13 @@ CASE_TOOL   := $(BUILD)/case_tool
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(CASE_SRC) $(BENCH_SRC) \
-               $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
+               $(BAREMETAL_SRC) $(TARGET_SRC) $(FAULTS_SRC) fixtures/fixture_write.c \
                tests/golden/replay_run.c tests/docs/settings_page.c $(HOST_TOOL_SRC)) $(SHARED_OBJ) $(PAGE_OBJ)
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
 .PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure1 figure2 soak size \
-        stack hashes settings-page golden-update timing timing-update shared amalgamation install install-core \
+        faults stack hashes settings-page golden-update timing timing-update shared amalgamation install install-core \
         install-shared clean
 .DELETE_ON_ERROR:
 
@@ -136,6 +137,7 @@ help:
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make coverage        lines and branches of src that the tests run, by folder; 5 minutes'
 	@echo 'make mutants         plants N=200 faults, drawn by SEED=1, and counts those that the tests find; an hour'
+	@echo 'make faults          flips N=100000 bits between ticks, drawn by SEED=1, and counts what follows; 10 minutes'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make settings-page   writes $(BUILD)/SETTINGS.md from the tables of settings'
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
@@ -261,6 +263,10 @@ $(BUILD)/golden: $(GOLDEN_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
+$(BUILD)/faults: $(call obj,$(FAULTS_SRC)) $(SUPPORT_LIB) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
+
 $(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
@@ -328,6 +334,7 @@ $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC)): | cmocka
 layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
 programs: all $(TESTS) $(HOST_TESTS) $(HOST_TOOLS) $(CASE_TOOL) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
+          $(BUILD)/faults \
           $(BUILD)/settings_page $(call obj,$(wildcard port/template/*.c))
 
 run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" \
@@ -344,6 +351,9 @@ check-html: $(PROGRAM)
 UNIT_TESTS := $(filter $(BUILD)/tests/unit/%,$(TESTS))
 check-quick: all $(UNIT_TESTS) $(BUILD)/golden
 	@$(run_checks) --quick $(UNIT_TESTS)
+
+faults: $(BUILD)/faults
+	@for kind in bare seal; do echo "$$kind:"; $(BUILD)/faults $(or $(N),100000) $(or $(SEED),1) $$kind || exit 1; done
 
 experiments: all $(CASE_TOOL)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" CFLAGS="$(CFLAGS)" sh $(EXPERIMENTS) full

@@ -28,18 +28,19 @@ extern "C" {
 
 typedef enum smr_status {
     SMR_OK = 0,
-    SMR_PARTIAL = 1,    /* the budget ended within an iteration; the next tick resumes the iteration */
-    SMR_E_NULL = -1,    /* a required pointer is NULL */
-    SMR_E_CONFIG = -2,  /* wrong cookie, a field outside its stated range, or fields that exclude each other */
-    SMR_E_ARENA = -3,   /* the memory handed over is too small */
-    SMR_E_ALIGN = -4,   /* the memory handed over is not aligned to SMR_ALIGN */
-    SMR_E_MODEL = -5,   /* the bytes are not a model, are of another version, damaged or inconsistent */
-    SMR_E_INPUT = -6,   /* a count, index or coordinate in the data is out of range */
-    SMR_E_STATE = -7,   /* the object's state does not allow the call, or the object is not of the expected type */
-    SMR_E_ABORTED = -8, /* the progress callback asked to stop */
-    SMR_E_LOG = -9,     /* the bytes are not a log, are of another version, damaged, or end within a record */
-    SMR_E_SAVE = -10,   /* the bytes are not a save, are of another version, damaged or inconsistent */
-    SMR_E_WITHOUT = -11 /* a log or a save needs a capability that this build leaves out */
+    SMR_PARTIAL = 1,     /* the budget ended within an iteration; the next tick resumes the iteration */
+    SMR_E_NULL = -1,     /* a required pointer is NULL */
+    SMR_E_CONFIG = -2,   /* wrong cookie, a field outside its stated range, or fields that exclude each other */
+    SMR_E_ARENA = -3,    /* the memory handed over is too small */
+    SMR_E_ALIGN = -4,    /* the memory handed over is not aligned to SMR_ALIGN */
+    SMR_E_MODEL = -5,    /* the bytes are not a model, are of another version, damaged or inconsistent */
+    SMR_E_INPUT = -6,    /* a count, index or coordinate in the data is out of range */
+    SMR_E_STATE = -7,    /* the object's state does not allow the call, or the object is not of the expected type */
+    SMR_E_ABORTED = -8,  /* the progress callback asked to stop */
+    SMR_E_LOG = -9,      /* the bytes are not a log, are of another version, damaged, or end within a record */
+    SMR_E_SAVE = -10,    /* the bytes are not a save, are of another version, damaged or inconsistent */
+    SMR_E_WITHOUT = -11, /* a log or a save needs a capability that this build leaves out */
+    SMR_E_DAMAGED = -12  /* memory has changed that only the library may change: section 22 */
 } smr_status;
 
 /* Returns the status' name, for example "SMR_E_ARENA", never NULL. */
@@ -351,6 +352,7 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_GOALS 4096u        /* goals_share is low */
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
+#define SMR_REASON_UNCHECKED 32768u   /* no whole round of smr_set_scrub() since the last iteration */
 
 /* Writes each vertex' expected distance from its true place to mm[n_vertices], or the parts across and along the
  * true surface; one part may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
@@ -1177,8 +1179,8 @@ typedef struct smr_log_record {
     uint64_t state_hash;
 } smr_log_record;
 
-typedef struct smr_log_reader smr_log_reader; /* position of a reader in a log: section 22 */
-typedef struct smr_replay smr_replay;         /* state of a replay: section 22 */
+typedef struct smr_log_reader smr_log_reader; /* position of a reader in a log: section 23 */
+typedef struct smr_replay smr_replay;         /* state of a replay: section 23 */
 
 /* smr_log_open() opens a log of `bytes` bytes (of any alignment, from any source); info may be NULL. smr_log_next()
  * reads the next record; at the log's end the record has kind 0. Errors: E_NULL, E_LOG; after an error the reader keeps
@@ -1188,7 +1190,7 @@ smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
 /* Returns the input that a record names: a const smr_surface * (a target or a fixed surface), a const smr_points * with
  * the points of that time, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), or a const smr_goals
- * *, smr_motion * or smr_caller_force * (section 22). NULL means that the input is missing. */
+ * *, smr_motion * or smr_caller_force * (section 23). NULL means that the input is missing. */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* Prepares to repeat a log on s, a registration right after smr_init() with the log's model and configuration.
@@ -1267,7 +1269,25 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_SWAPPED_BYTES 0u
 #endif
 
-/* ------------------------------------------------------------------ 22. for replays alone */
+/* ------------------------------------------------------------------ 22. faults in memory */
+/* Each call checks pointers and counts: of the registration, in the model's tables and in targets' headers. After a
+ * change between two calls each call returns E_DAMAGED; only smr_get_positions() and smr_get_normals() still return
+ * the last complete ones, unless these may have changed, too. Other faults never lead beyond the memory, but may give
+ * wrong results. smr_set_scrub() finds these faults. what: 0 (off), or the sum of
+ * - SMR_SCRUB_INPUTS: each tick compares checksums of a slice of model, targets, clouds, image and fixed surfaces, in
+ *   at most 1/32 of its budget. A verdict is good only if a whole round has ended since the last iteration (otherwise
+ *   SMR_REASON_UNCHECKED): by ticks after the end, or by smr_scrub().
+ * - SMR_SCRUB_STATE: each call checks the whole arena, and takes the arena's checksum when it ends.
+ * The call takes the checksum of each input, and a setter later that of its input, in one pass. No result changes.
+ * Errors: E_NULL, E_STATE (as smr_tick()), E_INPUT (what), E_DAMAGED (the model is not as it was opened, too). */
+enum { SMR_SCRUB_INPUTS = 1, SMR_SCRUB_STATE = 2 };
+smr_status smr_set_scrub(smr *s, uint32_t what);
+
+/* Continues the round for budget_ns; 0: runs a whole round. Returns SMR_PARTIAL until the round ends. Errors: E_NULL,
+ * E_STATE (as smr_tick(); SMR_SCRUB_INPUTS is off), E_DAMAGED. */
+smr_status smr_scrub(smr *s, uint64_t budget_ns);
+
+/* ------------------------------------------------------------------ 23. for replays alone */
 /* Arguments of smr_set_goals(), smr_set_motion() and smr_set_force(), for smr_log_input. */
 typedef struct smr_goals {
     const float *xyz, *weights;

@@ -67,6 +67,7 @@ _SENTENCES = {
     -9: "the bytes are not a log, are of another version, damaged, or end within a record",
     -10: "the bytes are not a save, are of another version, damaged or inconsistent",
     -11: "a log or a save needs a capability that this build leaves out",
+    -12: "memory has changed that only the library may change",
 }
 _E_CONFIG, _E_ARENA, _E_INPUT, _E_STATE = -2, -3, -6, -7
 
@@ -254,7 +255,7 @@ _CALLS = {
     "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup", "smr_set_fixed": "pup",
     "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
     "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
-    "smr_set_active": "pu", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
+    "smr_set_active": "pu", "smr_set_scrub": "pu", "smr_scrub": "pq", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
     "smr_get_verdict": "pup", "smr_get_visible": "pup", "smr_get_expected_error": "pup",
     "smr_get_expected_parts": "pupp", "smr_get_local_volume": "pufp", "smr_carry_bytes": "uuup",
     "smr_carry_fit": "pupuppzp", "smr_carry_apply": "ppp", "smr_carry_map": "ppupupp", "smr_pthread_create": "ppzu",
@@ -1109,6 +1110,14 @@ class Registration:
     def set_active(self, n: int) -> None:
         """Exactly the first n vertices in the order of priority take part from the next iteration on; 0: as set up."""
         self._call(_lib.smr_set_active, _whole(n, "n", _MOST))
+
+    def set_scrub(self, inputs: bool = True, state: bool = True) -> None:
+        """Checks model, targets and image by checksum, a slice in each tick, and the whole arena in each call."""
+        self._call(_lib.smr_set_scrub, bool(inputs) + 2 * bool(state))
+
+    def scrub(self, budget_ns: int = 0) -> bool:
+        """Goes on with the round over the inputs, or runs a whole one (0). Returns whether the round has ended."""
+        return self._call(_lib.smr_scrub, _whole(int(budget_ns), "budget_ns", (1 << 64) - 1)) == 0
 
     # ---- ticks
 

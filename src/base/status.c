@@ -18,6 +18,7 @@ const char *smr_status_name(smr_status status)
     case SMR_E_LOG: return "SMR_E_LOG";
     case SMR_E_SAVE: return "SMR_E_SAVE";
     case SMR_E_WITHOUT: return "SMR_E_WITHOUT";
+    case SMR_E_DAMAGED: return "SMR_E_DAMAGED";
     }
     return "SMR_E_UNKNOWN";
 }

@@ -56,7 +56,14 @@ struct smr_carry {
     uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's numbers of vertices near a point; unused: the first one */
     float *coefficient; /* [n_points][SMR_CARRY_NEAR] coefficients c_k of the vertices in `near`; unused ones are 0 */
     float *rest_part;   /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the parts that T maps */
+    uint32_t guard;     /* last: smr_byte_sum() of all members before, which hold pointers and counts */
 };
+
+/* Returns the caller's number of a vertex in the order of the Hilbert curve, also after a fault < n_vertices. */
+static inline uint32_t smr_carry_item(const smr_carry *c, uint32_t id)
+{
+    return smr_index(c->item[smr_index(id, c->n_vertices)], c->n_vertices);
+}
 
 /* Writes the selections of n vertices, the shapes of their trees, the number of selections and that of all nodes. */
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes);
@@ -96,7 +103,7 @@ void smr_carry_solve(const smr_carry_site *s, float *b);
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
 /* Returns the similarity T that fits rest positions, mm from c->centre, to present positions now[n_vertices][3], mm. */
 smr_pose smr_carry_trend(const smr_carry *c, const float *now);
-/* Checks the arguments of smr_carry_apply(). Returns SMR_OK, E_NULL, E_STATE or E_INPUT. */
+/* Checks the arguments of smr_carry_apply(). Returns SMR_OK, E_NULL, E_STATE, E_DAMAGED or E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
 /* Calls each(arg, a worker's scratch, i) for points i = 0 .. n-1. Returns E_STATE when the port broke its contract. */
 typedef void smr_carry_each(const void *arg, smr_carry_site *s, uint32_t i);

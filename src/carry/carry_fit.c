@@ -4,6 +4,7 @@
  * equations.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
+#include "base/bytes.h"
 #include "base/job.h"
 #include "carry/carry.h"
 #include "geometry/box_tree/hilbert_curve.h"
@@ -204,7 +205,7 @@ static void bind(void *job, uint32_t i, uint32_t worker)
     }
     open /= 1.0f + SMR_CARRY_ROUGH;
     for (uint32_t k = 0; k < SMR_CARRY_NEAR; k++) {
-        near[k] = c->item[s->id[k < s->n ? k : 0u]];
+        near[k] = smr_carry_item(c, s->id[k < s->n ? k : 0u]);
         coefficient[k] = k < s->n ? s->side[k] : 0.0f;
     }
     coefficient[0] = 1.0f - open - sum;
@@ -217,6 +218,7 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     const binding *b = job;
     b->c->magic = SMR_CARRY_MAGIC;
     b->c->self = b->c;
+    b->c->guard = smr_byte_sum(0, b->c, offsetof(smr_carry, guard));
     *b->carry = b->c;
 }
 

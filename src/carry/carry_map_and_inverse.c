@@ -33,7 +33,7 @@ typedef struct value {
 /* Returns the residual of a vertex, mm: the present position minus the rest position mapped by T. */
 static smr_vec residual(const job *j, uint32_t id)
 {
-    return smr_sub(smr_get3(j->now, j->c->item[id]), smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
+    return smr_sub(smr_get3(j->now, smr_carry_item(j->c, id)), smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
 /* Sets s->weight, the equations' solution for the vertices' residuals. Returns the nearest vertex' residual, mm. */
@@ -82,7 +82,8 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
     }
     /* F(p) is computed relative to the nearest vertex, which maps exactly to its present position */
     const smr_vec rest = smr_sub(p, smr_carry_place(s, 0));
-    v.at = smr_add(smr_get3(j->now, c->item[s->id[0]]), smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
+    v.at = smr_add(smr_get3(j->now, smr_carry_item(c, s->id[0])),
+                   smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
     return v;
 }
 
@@ -106,7 +107,7 @@ static smr_carry_nearest starts(const job *j, smr_vec q)
     smr_carry_nearest f = {.p = q, .most = SMR_CARRY_STARTS};
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t v = t->first + i * t->stride;
-        const smr_vec d = smr_sub(smr_get3(j->now, j->c->item[v]), q);
+        const smr_vec d = smr_sub(smr_get3(j->now, smr_carry_item(j->c, v)), q);
         if (f.n < f.most || smr_dot(d, d) < f.d2[f.n - 1u])
             smr_carry_insert(&f, v, smr_dot(d, d));
     }
@@ -152,7 +153,7 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
     const smr_carry_nearest start = starts(j, q);
     found best = {smr_v(0, 0, 0), {smr_v(0, 0, 0), {0}}, SMR_FAR};
     for (uint32_t i = 0; i < start.n && best.miss > SMR_CARRY_MET; i++) {
-        const smr_vec off = smr_sub(q, smr_get3(j->now, j->c->item[start.id[i]]));
+        const smr_vec off = smr_sub(q, smr_get3(j->now, smr_carry_item(j->c, start.id[i])));
         float linear[9];
         for (uint32_t k = 0; k < 9u; k++)
             linear[k] = j->trend.m[k / 3u][k % 3u];

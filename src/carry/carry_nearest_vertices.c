@@ -93,7 +93,9 @@ static void search(const smr_carry_thin *t, const float *rest, smr_carry_nearest
             look_at_group(t, rest, at.index, f);
             continue;
         }
-        const uint32_t near = smr_box_distances(&g->node[g->level[at.level - 1u] + at.index], f->p, bound_of(f), d2);
+        const uint32_t near =
+            smr_box_distances(&g->node[smr_min_u32(g->level[at.level - 1u] + at.index, g->level[g->n_levels - 1u])],
+                              f->p, bound_of(f), d2);
         height = smr_push_near(near, d2, (smr_visit){0.0f, at.level - 1u, at.index * SMR_TREE_WIDTH}, stack, height);
     }
 }

@@ -1,6 +1,7 @@
 /* carry_points.c: moves bound points to a present shape: one sum of SMR_CARRY_NEAR terms for each point.
  * Bounds: a pass over the vertices of the thinnest selection and the bound points.
  * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
 #include "carry/carry.h"
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
@@ -39,10 +40,10 @@ smr_pose smr_carry_trend(const smr_carry *c, const float *now)
 {
     const smr_carry_thin *t = &c->thin[c->n_densities - 1u];
     smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_get3(now, c->item[t->first]));
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_get3(now, smr_carry_item(c, t->first)));
     for (uint32_t i = 0; i < t->n; i++) {
-        const size_t v = (size_t)t->first + (size_t)i * t->stride;
-        smr_fit_add(&fit, smr_load(c->rest + 3u * v), smr_get3(now, c->item[v]), 1.0f);
+        const uint32_t v = t->first + i * t->stride;
+        smr_fit_add(&fit, smr_get3(c->rest, v), smr_get3(now, smr_carry_item(c, v)), 1.0f);
     }
     return smr_fit_solve(&fit, 1);
 }
@@ -53,6 +54,8 @@ smr_status smr_carry_check(const smr_carry *c, const float *now)
         return SMR_E_NULL;
     if (c->magic != SMR_CARRY_MAGIC || c->self != c)
         return SMR_E_STATE;
+    if (c->guard != smr_byte_sum(0, c, offsetof(smr_carry, guard)))
+        return SMR_E_DAMAGED;
     return smr_all_within(now, 3u * (size_t)c->n_vertices, SMR_COORD_MAX) ? SMR_OK : SMR_E_INPUT;
 }
 
@@ -63,10 +66,11 @@ static void apply(const void *arg, SMR_UNUSED smr_carry_site *s, uint32_t i)
     const uint32_t *near = m->c->near + (size_t)SMR_CARRY_NEAR * i;
     const float *coefficient = m->c->coefficient + (size_t)SMR_CARRY_NEAR * i;
     const float *left = m->c->rest_part + 4u * (size_t)i;
-    const smr_vec from = smr_get3(m->now, near[0]), rest = smr_load(left);
+    const uint32_t n = m->c->n_vertices;
+    const smr_vec from = smr_get3(m->now, smr_index(near[0], n)), rest = smr_load(left);
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t k = 1; k < SMR_CARRY_NEAR; k++)
-        sum = smr_add(sum, smr_scale(smr_sub(smr_get3(m->now, near[k]), from), coefficient[k]));
+        sum = smr_add(sum, smr_scale(smr_sub(smr_get3(m->now, smr_index(near[k], n)), from), coefficient[k]));
     const smr_vec open = smr_sub(smr_column(&m->trend, 3), from);
     sum = smr_add(sum, smr_add(smr_pose_turn(&m->trend, rest), smr_scale(open, left[3])));
     smr_put3(m->out, i, smr_add(from, sum));

@@ -117,7 +117,7 @@ typedef struct smr_lists {
     const smr_stored_block *block;
     const void *entry, *count, *index;
     const smr_stored_boundary *boundary;
-    uint32_t n_boundary, index_bytes, n_blocks, largest, smallest, active_min;
+    uint32_t n, n_indexes, n_boundary, index_bytes, n_blocks, largest, smallest, active_min; /* n: vertices */
     float radius, reach;
 } smr_lists;
 
@@ -148,15 +148,12 @@ static inline uint32_t smr_word_at(const smr_model *m, uint32_t at, uint32_t i)
     return smr_index_at(smr_at(m, at), 4, i);
 }
 
-/* Stored vertex v: structure, curve position (along), caller's vertex (original). position: stored of caller's i. */
-static inline uint32_t smr_model_owner(const smr_model *m, uint32_t v)
-{
-    return smr_index_at(smr_at(m, m->at_owner), 2, v);
-}
+/* Vertices and structures that are read from the model are < the model's numbers, whatever a fault has changed.
+ * Stored vertex v: structure, curve position (along), caller's vertex (original). position: stored of caller's i. */
+uint32_t smr_model_owner(const smr_model *m, uint32_t v);
+uint32_t smr_model_position(const smr_model *m, uint32_t i);
+uint32_t smr_model_original(const smr_model *m, uint32_t v);
 static inline uint32_t smr_model_along(const smr_model *m, uint32_t v) { return smr_word_at(m, m->at_along, v); }
-static inline uint32_t smr_model_position(const smr_model *m, uint32_t i) { return smr_word_at(m, m->at_position, i); }
-static inline uint32_t smr_model_original(const smr_model *m, uint32_t v) { return smr_word_at(m, m->at_original, v); }
-
 static inline const smr_stored_structure *smr_model_record(const smr_model *m, uint32_t structure)
 {
     return (const smr_stored_structure *)smr_at(m, m->at_structures) + structure;

@@ -57,8 +57,8 @@ static int check_numbering(const smr_model *m)
         const uint32_t first = smr_le32(smr_model_record(m, s)->first_vertex);
         const uint32_t last = first + smr_le32(smr_model_record(m, s)->n_vertices);
         for (uint32_t i = first; i < last; i++) {
-            uint32_t v = smr_model_position(m, i);
-            if (v >= n || smr_model_original(m, v) != i || smr_model_owner(m, v) != s)
+            const uint32_t v = smr_word_at(m, m->at_position, i);
+            if (v >= n || smr_word_at(m, m->at_original, v) != i || smr_model_owner(m, v) != s)
                 return 0;
         }
     }

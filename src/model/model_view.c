@@ -2,6 +2,21 @@
  * SPDX-License-Identifier: MIT */
 #include "model/model.h"
 
+uint32_t smr_model_owner(const smr_model *m, uint32_t v)
+{
+    return smr_index(smr_index_at(smr_at(m, m->at_owner), 2, v), smr_le32(m->n_structures));
+}
+
+uint32_t smr_model_position(const smr_model *m, uint32_t i)
+{
+    return smr_index(smr_word_at(m, m->at_position, i), smr_le32(m->n_vertices));
+}
+
+uint32_t smr_model_original(const smr_model *m, uint32_t v)
+{
+    return smr_index(smr_word_at(m, m->at_original, v), smr_le32(m->n_vertices));
+}
+
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
 {
     const smr_stored_radius *r = smr_model_radius(m, radius);
@@ -10,6 +25,8 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
                        .count = smr_at(m, r->at_count),
                        .index = smr_at(m, r->at_indexes),
                        .boundary = smr_at(m, r->at_boundary),
+                       .n = smr_le32(m->n_vertices),
+                       .n_indexes = smr_le32(r->n_indexes),
                        .n_boundary = smr_le32(r->n_boundary),
                        .index_bytes = smr_le32(m->index_bytes),
                        .n_blocks = smr_le32(r->n_blocks),
@@ -94,9 +111,12 @@ smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz
     if (triangles != NULL) /* zeros first, because a forged model may give one triangle twice and another never */
         memset(triangles, 0, 3u * (size_t)smr_le32(r->n_triangles) * sizeof *triangles);
     for (uint32_t i = 0; triangles != NULL && i < smr_le32(r->n_triangles); i++) {
-        uint32_t *to = triangles + 3u * (size_t)smr_le32(triangle_index[first_triangle + i]);
+        uint32_t *to =
+            triangles + 3u * (size_t)smr_index(smr_le32(triangle_index[first_triangle + i]), smr_le32(r->n_triangles));
         for (uint32_t c = 0; c < 3u; c++)
-            to[c] = smr_model_original(model, smr_le32(corner[3u * (size_t)(first_triangle + i) + c])) - first_vertex;
+            to[c] = smr_model_original(model, smr_index(smr_le32(corner[3u * (size_t)(first_triangle + i) + c]),
+                                                        smr_le32(model->n_vertices))) -
+                    first_vertex;
     }
     return SMR_OK;
 }

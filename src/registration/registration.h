@@ -32,6 +32,46 @@ typedef struct smr_time_budget {
     uint32_t odd;              /* 1: the clock ran backwards in the current step */
 } smr_time_budget;
 
+/* Checksums of what a fault must not change unnoticed, since it holds pointers and counts: the parts of the struct, the
+ * model's tables, and small arrays with pointers. Set whenever a call that changes the registration ends. */
+enum {
+    SMR_GUARD_HEAD = 0,
+    SMR_GUARD_MODEL,
+    SMR_GUARD_TABLES,
+    SMR_GUARD_REST,
+    SMR_GUARD_ARRAYS,
+    SMR_GUARD_GROUPS,
+    SMR_GUARD_PARTS
+};
+typedef struct smr_guard {
+    uint32_t sum[SMR_GUARD_PARTS]; /* HEAD, MODEL (header), TABLES: all that reading positions needs */
+    uint32_t closed;               /* 1: the sums are those of the present state; 0: a call has not ended yet */
+} smr_guard;
+
+struct smr_scrub_calls;
+
+/* Check of borrowed inputs in slices, and of the whole arena between calls; off unless smr_set_scrub() was called. */
+typedef struct smr_scrubbing {
+    const struct smr_scrub_calls *calls; /* NULL: off */
+    uint32_t what;                       /* sum of SMR_SCRUB_... */
+    uint32_t damaged;                    /* 0: nothing was found; 1: positions can be read; 2: not even they */
+    uint32_t checked;                    /* 1: a whole round over the inputs has ended since the last iteration */
+    uint32_t input, left;                /* number of the input under check; number of inputs left in this round */
+    size_t at;                           /* bytes of this input checked so far */
+    uint32_t sum;                        /* checksum of these bytes */
+    uint32_t model, voxels, mask;        /* checksums of the model and of the image */
+    uint32_t seal;                       /* checksum of the arena when the last call ended */
+} smr_scrubbing;
+
+/* Functions of the scrub, which a program without smr_set_scrub() does not link. */
+typedef struct smr_scrub_calls {
+    smr_status (*slice)(smr *s, uint64_t budget_ns);       /* a tick's part. Errors: E_DAMAGED */
+    void (*learn)(smr *s, uint32_t kind, uint32_t number); /* takes an input's checksum, SMR_LOG_..., when it is set */
+    uint32_t (*seal)(const smr *s);                        /* returns the checksum of the arena */
+} smr_scrub_calls;
+
+#define SMR_SCRUB_ALL UINT32_MAX /* smr_scrubbing.left before a round */
+
 struct smr {
     uint32_t magic;           /* SMR_STATE_MAGIC marks a registration */
     uint32_t step, next_task; /* position of the tick: current step of the iteration; number of its complete tasks */
@@ -59,6 +99,9 @@ struct smr {
     smr_log log;
     uint32_t n_measured; /* number of measures begun, which use the memory of records and sums */
     smr_tick_report report;
+    smr_scrubbing scrub;
+    size_t arena_bytes; /* bytes of the arena in use */
+    smr_guard guard;    /* last: covers all members before it */
 };
 
 /* Goes back to the start of an iteration. */
@@ -78,17 +121,28 @@ static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->tick
 /* Returns 1 when the registration may run: no tick is running, and no input is awaited. */
 static inline int smr_ready(const smr *s) { return smr_changeable(s) && s->n_awaited == 0u; }
 
-/* Checks the arguments of a function that reads a structure into `out`. Errors: E_NULL, E_STATE, E_INPUT. */
-static inline smr_status smr_readable(const smr *s, uint32_t structure, const void *out)
+/* Begins a new round over the inputs: the registration changes, or an input. */
+static inline void smr_scrub_again(smr *s)
 {
-    if (s == NULL || out == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
-    return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
+    s->scrub.left = SMR_SCRUB_ALL;
+    s->scrub.checked = 0;
 }
 
-/* Copies an array [n][3] of stored vertices plus `shift` to xyz in the caller's order. Errors: as smr_readable(). */
+/* guard.c: checks what the guard covers, and what the scrub has found. Errors: E_NULL, E_STATE (no registration),
+ * E_DAMAGED. */
+smr_status smr_sound(const smr *s);
+void smr_guard_close(smr *s); /* takes all sums, at the end of a call that changes s */
+
+/* Checks the arguments of a function that reads a structure into `out`. Errors: E_NULL, E_STATE, E_DAMAGED, E_INPUT. */
+smr_status smr_readable(const smr *s, uint32_t structure, const void *out);
+/* The same for a function that reads no more than positions or normals: OK also after faults that leave these alone. */
+smr_status smr_positions_readable(const smr *s, uint32_t structure, const void *out);
+
+/* Ends a call that has changed the registration: logs it (log_format.h), and closes the guard. */
+void smr_changed(smr *s, uint32_t kind, uint32_t number, const void *what, uint32_t n);
+
+/* Copies an array [n][3] of stored vertices plus `shift` to xyz in the caller's order. Errors: as
+ * smr_positions_readable(). */
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz);
 
 #endif

@@ -2,6 +2,7 @@
  * errors, and measures their noise: how much vertices stick out from their neighbours.
  * Bounds: four passes over a structure's vertices, one over its triangles.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/verdict_measures.h"
 
@@ -145,7 +146,7 @@ void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_rings *rings = &j->s->overlay.rings;
     const smr_piece piece = smr_judged_triangles(j, task);
     for (uint32_t k = piece.first; k < piece.last; k++)
-        smr_ring_add(rings, smr_judged(j)->tree.triangle + 3u * (size_t)k, rings->displacement);
+        smr_ring_add(rings, smr_triangle_of(smr_judged(j)->tree.triangle, k, j->s->shared.n), rings->displacement);
 }
 
 /* Adds the noise of visible vertices; the last task sets the noise variance. */

@@ -77,7 +77,7 @@ static void add_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_rest_pose_end(&l->shape);
     l->area = l->volume = 0.0f;
     for (uint32_t k = piece.first; k < piece.last; k++) {
-        const uint32_t *t = l->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(l->shared, k);
         smr_vec p[3];
         for (uint32_t c = 0; c < 3u; c++)
             p[c] = l->rest ? smr_rest_posed(&l->shape, t[c]) : smr_get3(l->shape.x, t[c]);
@@ -216,8 +216,7 @@ static int is_unchanged(void *job, int enter)
 smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job)
 {
     local *const l = (local *)(void *)job;
-    if (s == NULL || ratio == NULL || job == NULL)
-        return SMR_E_NULL;
+    SMR_TRY(ratio == NULL || job == NULL ? SMR_E_NULL : smr_sound(s));
     if (!smr_measurable(s))
         return SMR_E_STATE;
     if ((structure != SMR_ALL && structure >= s->shared.n_structures) || !(radius_mm >= 0.0f) ||

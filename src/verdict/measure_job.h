@@ -18,7 +18,9 @@ static inline int smr_measurable(const smr *s) { return smr_ready(s) && s->step 
 
 static inline smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, uint32_t n_stages)
 {
-    return (smr_measuring){smr_job_begin(stages, n_stages, &s->port), s, s->log.changes, ++s->n_measured};
+    s->n_measured++;
+    smr_guard_close(s);
+    return (smr_measuring){smr_job_begin(stages, n_stages, &s->port), s, s->log.changes, s->n_measured};
 }
 
 /* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when a tick, a setter or another
@@ -29,6 +31,8 @@ static inline int smr_measure_guard(const smr_measuring *m, int enter)
     if (enter && (!smr_measurable(s) || s->log.changes != m->changes || s->n_measured != m->turn))
         return 0;
     s->ticking = (uint32_t)enter;
+    if (!enter)
+        smr_guard_close(s);
     return 1;
 }
 

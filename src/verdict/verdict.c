@@ -37,6 +37,7 @@ const char *smr_reason_text(uint32_t bit)
         return "structures that are not good make up much of the model: look at their own verdicts";
     case SMR_REASON_RECOVERING:
         return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
+    case SMR_REASON_UNCHECKED: return "inputs were not checked for faults since the last iteration: call smr_scrub()";
     default: return "";
     }
 }
@@ -112,6 +113,8 @@ static void note_recovering(const smr *s, smr_verdict *verdict)
     const smr_schedule *p = &s->schedule;
     if (p->recovering == 1u || p->serial != p->n_set)
         add_doubt(verdict, SMR_REASON_RECOVERING);
+    if ((s->scrub.what & SMR_SCRUB_INPUTS) && !s->scrub.checked)
+        add_doubt(verdict, SMR_REASON_UNCHECKED);
 }
 
 /* ---- the stages ---- */
@@ -243,17 +246,17 @@ static const smr_stage stages[] = {
 static int is_unchanged(void *job, int enter)
 {
     const smr_judgement *j = job;
-    return (!enter || smr_inputs_valid(&j->s->forces)) && smr_measure_guard(&j->job, enter);
+    return (!enter || smr_inputs_valid(&j->s->forces) == SMR_OK) && smr_measure_guard(&j->job, enter);
 }
 
 /* Begins to measure a structure, or all. Errors: E_NULL, E_STATE, E_INPUT. */
 static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float *const mm[3], smr_job *job)
 {
     smr_judgement *const j = (smr_judgement *)(void *)job;
-    if (s == NULL || job == NULL)
-        return SMR_E_NULL;
-    if (!smr_measurable(s) || !smr_inputs_valid(&s->forces))
+    SMR_TRY(job == NULL ? SMR_E_NULL : smr_sound(s));
+    if (!smr_measurable(s))
         return SMR_E_STATE;
+    SMR_TRY(smr_inputs_valid(&s->forces));
     if (structure >= s->shared.n_structures && (structure != SMR_ALL || verdict == NULL))
         return SMR_E_INPUT;
     memset(j, 0, sizeof *j);

@@ -1,6 +1,7 @@
 /* verdict_shape_measures.c: how a structure's shape differs from its rest shape: strain of edges, volume, rotations of
  * parts. Bounds: one pass over the triangles, and SMR_PARTS passes over the vertices.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "geometry/rotation/rotation.h"
 #include "verdict/verdict_measures.h"
 
@@ -73,7 +74,7 @@ static float det(smr_vec a, smr_vec b, smr_vec c) { return smr_dot(a, smr_cross(
 static void add_volume(smr_judgement *j, const uint32_t *t)
 {
     const smr *s = j->s;
-    const uint32_t first = smr_judged(j)->tree.triangle[0];
+    const uint32_t first = smr_triangle_of(smr_judged(j)->tree.triangle, 0, s->shared.n)[0];
     const smr_vec o = smr_get3(s->shape.x, first), r = smr_rest(&s->shared, first);
     smr_vec x[3], y[3];
     for (uint32_t c = 0; c < 3u; c++) {
@@ -135,7 +136,7 @@ void smr_edges_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_judgement *j = job;
     const smr_piece piece = smr_judged_triangles(j, task);
     for (uint32_t k = piece.first; k < piece.last; k++) {
-        const uint32_t *t = smr_judged(j)->tree.triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_triangle_of(smr_judged(j)->tree.triangle, k, j->s->shared.n);
         add_edges(j, t);
         add_volume(j, t);
     }

@@ -138,7 +138,7 @@ void smr_triangles_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_mean *const place = smr_judge_place(j, task);
     group g = {.n = 0};
     for (uint32_t k = piece.first; k < piece.last; k++) {
-        const uint32_t *t = f->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_triangle_of(f->triangle, k, f->n_vertices);
         const smr_corner_values corner = smr_corners_of(j->s->shape.x, t);
         const smr_vec normal = smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f);
         const float area = smr_length(normal);
@@ -177,7 +177,8 @@ static int is_covered(const smr_judgement *j, smr_vec c, measured *last)
     const float before = last->mm;
     last->at = c;
     if (before < SMR_FAR) {
-        const uint32_t *t = j->s->shape.structure[last->structure].tree.triangle + 3u * (size_t)last->triangle;
+        const smr_box_tree *f = &j->s->shape.structure[last->structure].tree;
+        const uint32_t *t = smr_triangle_of(f->triangle, last->triangle, f->n_vertices);
         const smr_corner_values corner = smr_corners_of(j->s->shape.x, t);
         last->mm = SMR_SQRT(smr_triangle_closest(c, corner.a, corner.b, corner.c, hit.weight));
         if (last->mm <= near)
@@ -220,7 +221,8 @@ void smr_cover_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const int is_model = shares_triangles(j);
     measured last = {.mm = SMR_FAR};
     for (uint32_t k = piece.first; k < piece.last; k++) {
-        const smr_corner_values corner = smr_corners_of(target->xyz, target->triangle + 3u * (size_t)k);
+        const smr_corner_values corner =
+            smr_corners_of(target->xyz, smr_triangle_of(target->triangle, k, target->n_vertices));
         const float area = smr_length(smr_scale(smr_triangle_cross(corner.a, corner.b, corner.c), 0.5f));
         const int other = smr_tree_left_out(&mask, k);
         smr_mean_add(&place[0], other ? 1.0f : 0.0f, area);

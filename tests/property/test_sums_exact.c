@@ -67,6 +67,7 @@ static void check_any_records(smr *s, const rig_lists *l)
         run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
         assert_int_equal(0, n_different(s, l, in_use[i], 0));
     }
+    smr_guard_close(s);
 }
 
 /* The sums that iterations leave behind. */

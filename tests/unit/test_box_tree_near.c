@@ -9,8 +9,8 @@
 /* The squared distance of triangle i alone; negative when it is not acceptable. */
 static float distance2_of(const smr_box_tree *f, const smr_query *q, uint32_t i)
 {
-    const smr_box_tree single = {f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0,
-                                 {0}};
+    const smr_box_tree single = {
+        f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0, {0}, f->n_vertices};
     smr_hit one = {1.0e12f, SMR_NONE, {0, 0, 0}};
     unit_closest(&single, q, &one);
     return one.triangle == SMR_NONE ? -1.0f : one.d2;

@@ -92,6 +92,7 @@ static void settle(smr *s)
             smr_steps[i].end(s);
         s->next_task = 0;
     }
+    smr_guard_close(s);
 }
 
 /* Carries single vertices far over their neighbours. */

@@ -202,5 +202,6 @@ TEST(test_asking)
     for (uint32_t i = 0; i < 4u; i++)
         assert_int_equal(SMR_E_INPUT, smr_get_local_volume(s, 0, bad[i], ratio));
     twin->next_task = 1; /* an iteration is under way */
+    smr_guard_close(twin);
     assert_int_equal(SMR_E_STATE, smr_get_local_volume(twin, 0, 0, ratio));
 }

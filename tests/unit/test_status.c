@@ -23,11 +23,12 @@ TEST(names)
         {SMR_E_LOG, "SMR_E_LOG"},
         {SMR_E_SAVE, "SMR_E_SAVE"},
         {SMR_E_WITHOUT, "SMR_E_WITHOUT"},
+        {SMR_E_DAMAGED, "SMR_E_DAMAGED"},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
         assert_string_equal(smr_status_name(table[i].status), table[i].name);
-    for (int i = -11; i < 0; i++) /* refusals are negative, the two others are not */
+    for (int i = -12; i < 0; i++) /* refusals are negative, the two others are not */
         assert_int_equal(strncmp(smr_status_name((smr_status)i), "SMR_E_", 6), 0);
     assert_string_equal(smr_status_name((smr_status)2), "SMR_E_UNKNOWN");
-    assert_string_equal(smr_status_name((smr_status)-12), "SMR_E_UNKNOWN");
+    assert_string_equal(smr_status_name((smr_status)-13), "SMR_E_UNKNOWN");
 }

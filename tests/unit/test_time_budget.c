@@ -128,6 +128,7 @@ TEST(test_nothing_is_left_out_at_the_end)
     smr_tick_report r = {0};
     uint32_t cut = 0;
     s->shared.config.basic.iterations_last = 30;
+    smr_guard_close(s);
     for (uint32_t i = 0; i < 200u && !r.done; i++) {
         if (smr_tick(s, budget, &r) == SMR_OK) {
             cut += r.details.n_taken < s->shared.n;
@@ -151,6 +152,7 @@ TEST(test_a_budget_leaves_the_result)
         smr_tick_report r = {0}, want = {0};
         uint32_t fewest = SMR_ALL;
         s->shared.config.basic.budget_exact = exact;
+        smr_guard_close(s);
         for (uint32_t n = 0; n<30u; n += r.iteration> n) {
             if (smr_tick(s, full * percent / 100u, &r) != SMR_OK)
                 continue;

@@ -42,6 +42,7 @@ static void begin(float radius)
     w.shared.n_structures = 1;
     w.model.head.at_owner =
         smr_le32((uint32_t)((const unsigned char *)w.model.owner - (const unsigned char *)&w.model));
+    w.model.head.n_structures = smr_le32(1);
     w.shared.model = &w.model.head;
     w.target.partial = 1;
     w.schedule.lists.radius = radius;

@@ -22,6 +22,7 @@ smr_box_tree unit_plant(const unit_mesh *m, uint32_t **triangles)
     rig_free(key);
     rig_free(tmp);
     f.xyz = m->xyz;
+    f.n_vertices = m->nv;
     f.triangle = *triangles;
     f.normal = centre; /* as large as the normals */
     f.node = rig_rough(sizeof(smr_node) * smr_tree_nodes(m->nt));

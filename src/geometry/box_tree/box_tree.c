@@ -38,7 +38,7 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
         if (node != NULL && n < SMR_TREE_WIDTH)
             clear_node(node);
         for (uint32_t k = 0; k < n; k++) {
-            const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)(base + k));
+            const smr_corner_values v = smr_corners_of(f->xyz, smr_triangle_at(f->triangle, base + k, f->n_vertices));
             float lo[3], hi[3];
             smr_put3(f->normal, base + k, smr_unit(smr_triangle_cross(v.a, v.b, v.c)));
             if (node == NULL)

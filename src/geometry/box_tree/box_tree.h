@@ -26,6 +26,7 @@ typedef struct smr_box_tree {
     uint32_t n_triangles;
     uint32_t n_levels;               /* levels of the tree; 0 without triangles */
     uint32_t level[SMR_TREE_LEVELS]; /* index of each level's first node */
+    uint32_t n_vertices;             /* number of vertices at xyz */
 } smr_box_tree;
 
 uint32_t smr_tree_nodes(uint32_t n_triangles);              /* number of nodes of the tree over n_triangles */

@@ -10,7 +10,7 @@
 
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3])
 {
-    return smr_corners_mean(smr_corners_of(f->xyz, f->triangle + 3u * (size_t)triangle), weight);
+    return smr_corners_mean(smr_corners_of(f->xyz, smr_triangle_at(f->triangle, triangle, f->n_vertices)), weight);
 }
 
 /* Returns 1 when triangle i wins against an equally close triangle found before, by rank or by smaller number. */
@@ -42,7 +42,8 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 /* Returns the squared distance, mm^2, from q's point to triangle i; writes the weights of the closest point. */
 static inline float measure(const smr_box_tree *f, const smr_query *q, uint32_t i, float weight[3])
 {
-    const uint32_t *t = f->triangle + 3u * (size_t)i; /* corners by value cost 15 % more instructions */
+    const uint32_t *t =
+        smr_triangle_at(f->triangle, i, f->n_vertices); /* corners by value cost 15 % more instructions */
     return smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]),
                                 weight);
 }
@@ -84,7 +85,7 @@ void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
  * beside the closest one, in a sliver far beside it. box_d2: squared distance to the triangle's box. */
 static float least_of(const smr_box_tree *f, const smr_query *q, uint32_t i, float d2, float box_d2)
 {
-    const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
+    const smr_corner_values v = smr_corners_of(f->xyz, smr_triangle_at(f->triangle, i, f->n_vertices));
     const smr_vec ab = smr_sub(v.b, v.a), ac = smr_sub(v.c, v.a), ap = smr_sub(q->point, v.a), n = smr_cross(ab, ac);
     const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
     const float beside = SMR_ROUNDING * sides * (sides + smr_dot(ap, ap)) / smr_max(smr_dot(n, n), 1.0e-20f);
@@ -253,6 +254,7 @@ static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
         known->other_mm = 0.0f;
         known = NULL;
     }
+    const uint32_t root = f->level[f->n_levels - 1u]; /* the last node: a fault in a box must not lead beyond it */
     stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     if (!resume(pause, &w, stack, hit, list) && known != NULL)
         start_bounds(&w.b, hit, known);
@@ -269,7 +271,7 @@ static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
         w.opened += !farther;
         work += SMR_WORK_NODE;
         float d2[SMR_TREE_WIDTH];
-        const smr_node *node = &f->node[f->level[v.level] + v.index];
+        const smr_node *node = &f->node[smr_min_u32(f->level[v.level] + v.index, root)];
         const float reach2 = smr_max(hit->d2 * widen, w.b.reach2);
         const uint32_t near = smr_box_distances(node, q->point, reach2, d2), base = v.index * SMR_TREE_WIDTH;
         if (known != NULL)

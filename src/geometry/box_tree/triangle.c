@@ -83,3 +83,8 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
         memcpy(weight, on_edge, sizeof on_edge);
     return smr_min(edge, inside);
 }
+
+const uint32_t *smr_triangle_of(const uint32_t *triangle, uint32_t k, uint32_t n_vertices)
+{
+    return smr_triangle_at(triangle, k, n_vertices);
+}

@@ -14,6 +14,17 @@ static inline smr_vec smr_triangle_cross(smr_vec a, smr_vec b, smr_vec c)
     return smr_cross(smr_sub(b, a), smr_sub(c, a));
 }
 
+/* Returns the three vertices of triangle k, each < n_vertices; vertex 0 thrice where a fault has changed one. */
+static inline const uint32_t *smr_triangle_at(const uint32_t *triangle, uint32_t k, uint32_t n_vertices)
+{
+    static const uint32_t none[3] = {0, 0, 0};
+    const uint32_t *const t = triangle + 3u * (size_t)k;
+    return t[0] < n_vertices && t[1] < n_vertices && t[2] < n_vertices ? t : none;
+}
+
+/* The same, not inline: for what seldom runs. */
+const uint32_t *smr_triangle_of(const uint32_t *triangle, uint32_t k, uint32_t n_vertices);
+
 /* Vectors (positions, normals) at the three corners of a triangle. */
 typedef struct smr_corner_values {
     smr_vec a, b, c;

@@ -6,6 +6,12 @@
 
 #define SMR_GROUP_NODES 24u /* most nodes above the leaves that a group searches together */
 
+/* Returns a node of a tree that has nodes, or the root where a fault in a box led beyond it. */
+static const smr_node *node_at(const smr_box_tree *f, uint32_t index)
+{
+    return &f->node[smr_min_u32(index, f->level[f->n_levels - 1u])];
+}
+
 /* Returns the children of a node within the squared distance `bound` of a box as bits. */
 static uint32_t children_near(const smr_node *node, smr_box box, float bound)
 {
@@ -30,7 +36,7 @@ static uint32_t list_nodes(const smr_box_tree *f, smr_box box, float bound, uint
         memcpy(from, node, n * sizeof *node);
         n = 0;
         for (uint32_t i = 0; i < n_above; i++)
-            for (uint32_t near = children_near(&f->node[f->level[level - 1u] + from[i]], box, bound); near != 0u;
+            for (uint32_t near = children_near(node_at(f, f->level[level - 1u] + from[i]), box, bound); near != 0u;
                  near &= near - 1u, n++)
                 if (n < SMR_GROUP_NODES)
                     node[n] = from[i] * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(near);
@@ -44,7 +50,7 @@ static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const 
 {
     float d2[SMR_TREE_WIDTH];
     const uint32_t first = leaf * SMR_TREE_WIDTH;
-    for (uint32_t near = smr_box_distances(&f->node[leaf], q->point, hit->d2, d2); near != 0u; near &= near - 1u) {
+    for (uint32_t near = smr_box_distances(node_at(f, leaf), q->point, hit->d2, d2); near != 0u; near &= near - 1u) {
         const uint32_t c = (uint32_t)__builtin_ctz(near);
         if (d2[c] <= hit->d2 && first + c < f->n_triangles && first + c != q->warm)
             smr_tree_try(f, mask, q, first + c, hit);
@@ -60,7 +66,7 @@ static void search_node(const smr_box_tree *f, const smr_tree_mask *mask, const 
         search_leaf(f, mask, q, node, hit);
         return;
     }
-    for (uint32_t near = smr_box_distances(&f->node[f->level[1] + node], q->point, hit->d2, d2); near != 0u;
+    for (uint32_t near = smr_box_distances(node_at(f, f->level[1] + node), q->point, hit->d2, d2); near != 0u;
          near &= near - 1u) {
         const uint32_t c = (uint32_t)__builtin_ctz(near);
         if (d2[c] <= hit->d2)

@@ -16,11 +16,11 @@ smr_status smr_mesh_check(const smr_mesh *mesh)
     return legal ? SMR_OK : SMR_E_INPUT;
 }
 
-void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t first, uint32_t last, float *normal,
-                          float *area)
+void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t n_vertices, uint32_t first,
+                          uint32_t last, float *normal, float *area)
 {
     for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_triangle_of(triangle, k, n_vertices);
         const smr_vec n = smr_corners_cross(xyz, t);
         const float third = smr_length(n) * (1.0f / 6.0f);
         for (uint32_t c = 0; c < 3u; c++) {
@@ -37,7 +37,7 @@ void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area)
     memset(normal, 0, 3u * (size_t)mesh->n_vertices * sizeof *normal);
     if (area != NULL)
         memset(area, 0, mesh->n_vertices * sizeof *area);
-    smr_mesh_add_normals(mesh->xyz, mesh->triangles, 0, mesh->n_triangles, normal, area);
+    smr_mesh_add_normals(mesh->xyz, mesh->triangles, mesh->n_vertices, 0, mesh->n_triangles, normal, area);
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
         smr_put3(normal, i, smr_unit(smr_get3(normal, i)));
 }

@@ -21,8 +21,8 @@ void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area);
 
 /* Adds twice the area vector of each triangle first .. last-1 to normal[] of the triangle's corners; unless area is
  * NULL, also a third of the triangle's area, mm^2, to area[] of the corners. */
-void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t first, uint32_t last, float *normal,
-                          float *area);
+void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t n_vertices, uint32_t first,
+                          uint32_t last, float *normal, float *area);
 /* Returns 1 for a closed mesh: each edge has as many triangles in either direction. A 64-bit sum of hashes decides. */
 int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles);
 

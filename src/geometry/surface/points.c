@@ -5,6 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 #include "base/arena.h"
+#include "base/bytes.h"
 
 #define SMR_NORMAL_LEAST 1.0e-3f /* length of the shortest normal; a shorter one counts as none */
 #define SMR_NORMAL_MOST 1.0e3f   /* largest absolute entry of a normal */
@@ -33,6 +34,12 @@ smr_status smr_points_bytes(uint32_t capacity, size_t *bytes)
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
+static uint32_t guard_of(const smr_surface *s)
+{
+    const void *const slots[3] = {s->xyz, s->normal, s->area};
+    return smr_byte_sum(s->capacity, slots, sizeof slots);
+}
+
 smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points)
 {
     smr_arena a;
@@ -48,6 +55,7 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
     layout(&a, capacity, &self, &p.surface);
+    p.guard = guard_of(&p.surface);
     *self = p;
     *points = self;
     return SMR_OK;
@@ -69,10 +77,16 @@ static int take_normal(const float *normal, smr_vec *unit)
 
 static int legal_weight(float weight) { return weight >= 0.0f && weight <= SMR_WEIGHT_MAX; }
 
-/* Returns SMR_OK for points that smr_points_open() has opened, otherwise E_NULL or E_STATE. */
+/* Checks points that smr_points_open() has opened. Errors: E_NULL, E_STATE, E_DAMAGED (an address or a count). */
 static smr_status usable(const smr_points *points)
 {
-    return points == NULL ? SMR_E_NULL : smr_points_valid(points) ? SMR_OK : SMR_E_STATE;
+    if (points == NULL)
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    const smr_surface *s = &points->surface;
+    return points->guard == guard_of(s) && points->next < s->capacity && s->n_vertices <= s->capacity ? SMR_OK
+                                                                                                      : SMR_E_DAMAGED;
 }
 
 /* Returns 1 when coordinates, normals and weights of all n points are legal. */

@@ -48,6 +48,9 @@ struct smr_surface {
     smr_surface_work work;
 };
 
+uint32_t
+smr_surface_guard(const smr_surface *s); /* returns a checksum of the pointers and counts of a complete surface */
+
 /* Numbers of connected components. FRAGMENT: small, open, ignored; SMALL: other small ones; FIRST ..: large ones. */
 enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
 #define SMR_BODY_PART 250u /* a component of more than 1 / this of all triangles gets its own number, below 256 */
@@ -61,16 +64,25 @@ static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; 
 /* Returns 1 for a complete surface. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }
 
+/* Returns the connected component, SMR_BODY_..., of a triangle. */
+static inline uint32_t smr_surface_body_at(const smr_surface *s, uint32_t triangle)
+{
+    return s->work.body[smr_index(triangle, s->tree.n_triangles)];
+}
+
 /* Returns 1 for a vertex of a stray component. */
 static inline int smr_surface_fragment(const smr_surface *s, uint32_t v)
 {
-    return s->n_fragment > 0u && s->work.start[v] != SMR_NONE && s->work.body[s->work.start[v]] == SMR_BODY_FRAGMENT;
+    return s->n_fragment > 0u && s->work.start[v] != SMR_NONE &&
+           smr_surface_body_at(s, s->work.start[v]) == SMR_BODY_FRAGMENT;
 }
 
 /* Returns the connected component, SMR_BODY_..., of a vertex: 0 without triangles, SMR_BODY_SMALL in clouds. */
 static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 {
-    return smr_is_cloud(s) ? SMR_BODY_SMALL : s->work.start[v] != SMR_NONE ? s->work.body[s->work.start[v]] : 0u;
+    return smr_is_cloud(s)                ? SMR_BODY_SMALL
+           : s->work.start[v] != SMR_NONE ? smr_surface_body_at(s, s->work.start[v])
+                                          : 0u;
 }
 
 /* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0.
@@ -145,6 +157,7 @@ int smr_surface_inside(const smr_surface *s, smr_vec p);
 struct smr_points {
     uint32_t magic;      /* SMR_POINTS_MAGIC */
     uint32_t next;       /* index that the next added point gets, < surface.capacity */
+    uint32_t guard;      /* checksum of the addresses of slots and of the capacity */
     smr_surface surface; /* the first n_vertices slots hold xyz, normal (0: none) and, as area, the weight; origin 0 */
 };
 

@@ -4,6 +4,7 @@
  * Bounds: SMR_SURFACE_ITEMS items between two readings of the clock; for each edge the triangles at a vertex.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
+#include "base/bytes.h"
 #include "geometry/surface/surface.h"
 
 #define SMR_SURFACE_ITEMS 256u /* cost of a unit of work, in items of cost 1 */
@@ -115,7 +116,7 @@ static void copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
 
 static void add_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
-    smr_mesh_add_normals(s->xyz, s->triangle, first, last, s->normal, s->area);
+    smr_mesh_add_normals(s->xyz, s->triangle, s->n_vertices, first, last, s->normal, s->area);
 }
 
 /* Scales the vertex normals to unit length, and adds the vertices' areas to work.area. */
@@ -333,10 +334,17 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
     smr_tree_shape(&s.tree, nt);
     s.tree.xyz = s.xyz;
     s.tree.triangle = s.triangle;
+    s.tree.n_vertices = nv;
     s.tree.rank = s.original;
     *self = s;
     *surface = self;
     return SMR_OK;
+}
+
+uint32_t smr_surface_guard(const smr_surface *s)
+{
+    const void *const scratch[2] = {s->work.start, s->work.body};
+    return smr_byte_sum(smr_byte_sum(0, s, offsetof(smr_surface, work)), scratch, sizeof scratch);
 }
 
 smr_status smr_surface_refit(smr_surface *surface, const float *xyz)

@@ -87,7 +87,7 @@ static void add_point(const sweep *s, smr_vec p, float third, const place *middl
  * whose side is known or not; becomes the triangle's middle after a search. */
 static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
 {
-    const uint32_t *t = s->a->triangle + 3u * (size_t)k;
+    const uint32_t *t = smr_triangle_of(s->a->triangle, k, s->a->n_vertices);
     smr_vec corner[3];
     float round2 = 0.0f;
     for (uint32_t i = 0; i < 3u; i++)

@@ -24,7 +24,7 @@ static float angle_of(float cosine)
 /* Returns a triangle's angle, rad, at the corner nearest to the closest point. */
 static float angle_at(const smr_box_tree *f, const smr_near *near)
 {
-    const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
+    const uint32_t *t = smr_triangle_of(f->triangle, near->triangle, f->n_vertices);
     const float *w = near->weight;
     const uint32_t c = w[0] >= w[1] && w[0] >= w[2] ? 0u : w[1] >= w[2] ? 1u : 2u;
     const smr_vec at = smr_get3(f->xyz, t[c]);
@@ -69,7 +69,8 @@ int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const
         const smr_near *near = &list.item[i];
         const smr_vec r = smr_sub(q->point, smr_triangle_point(f, near->triangle, near->weight));
         from = smr_add(from, smr_scale(r, near->share));
-        const smr_corner_values at = smr_corners_of(normal, f->triangle + 3u * (size_t)near->triangle);
+        const smr_corner_values at =
+            smr_corners_of(normal, smr_triangle_of(f->triangle, near->triangle, f->n_vertices));
         along = smr_add(along, smr_scale(smr_corners_mean(at, near->weight), near->share));
     }
     const float sign = height_of(f, q->point, &list, hit.d2) < 0.0f ? -1.0f : 1.0f, distance = SMR_SQRT(hit.d2);

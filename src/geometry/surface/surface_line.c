@@ -28,7 +28,7 @@ static void add_crossing(smr_line *l, float at, int turn)
 
 static void cross_triangle(const smr_surface *s, smr_line *l, smr_vec shift, uint32_t k, int weight)
 {
-    const uint32_t *t = s->triangle + 3u * (size_t)k;
+    const uint32_t *t = smr_triangle_of(s->triangle, k, s->n_vertices);
     const int turn = beside(s, l, shift, t[0], t[1]);
     if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
         return;
@@ -53,7 +53,7 @@ void smr_line_cross(const smr_surface *s, smr_line *l, smr_vec shift, int weight
     stack[0] = (smr_visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
-        const smr_node *node = &f->node[f->level[level] + index];
+        const smr_node *node = &f->node[smr_min_u32(f->level[level] + index, f->level[f->n_levels - 1u])];
         for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
             const uint32_t child = index * SMR_TREE_WIDTH + k;
             if (!(node->lo[l->u][k] <= u && node->lo[l->v][k] <= v && node->hi[l->u][k] >= u && node->hi[l->v][k] >= v))

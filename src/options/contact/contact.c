@@ -65,15 +65,20 @@ void smr_contact_reset(smr_contact *c)
     }
 }
 
-int smr_fixed_valid(const smr_contact *c)
+smr_status smr_fixed_valid(const smr_contact *c)
 {
-    int valid = 1;
+    smr_status status = SMR_OK;
     for (uint32_t i = 0; c->fixed != NULL && i < c->shared->config.contact.n_fixed; i++) {
         const smr_fixed_surface *f = &c->fixed[i];
-        valid &= f->surface == NULL || (smr_surface_valid(f->surface) && f->surface->n_vertices == f->n_vertices &&
-                                        f->surface->changes == f->changes);
+        if (f->surface == NULL)
+            continue;
+        if (!smr_surface_valid(f->surface) || f->surface->n_vertices != f->n_vertices ||
+            f->surface->changes != f->changes)
+            return SMR_E_STATE;
+        if (smr_surface_guard(f->surface) != f->guard)
+            status = SMR_E_DAMAGED;
     }
-    return valid;
+    return status;
 }
 
 /* Returns the tree of a body's triangles; NULL: no contacts. *shift: from the shape's to the body's origin, mm. */
@@ -115,9 +120,10 @@ void smr_contact_begin(smr_contact *c)
 
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
 {
-    c->fixed[index] = (smr_fixed_surface){surface, 0, 0};
+    c->fixed[index] = (smr_fixed_surface){.surface = surface};
     if (surface != NULL)
-        c->fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
+        c->fixed[index] =
+            (smr_fixed_surface){surface, surface->n_vertices, surface->changes, smr_surface_guard(surface), 0};
     if (c->touch == NULL)
         return;
     place_box(c, c->shared->n_structures + index);
@@ -274,7 +280,7 @@ static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
 
 void smr_contact_find_triangle(smr_contact *c, uint32_t k, smr_worker *w)
 {
-    const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
+    const uint32_t *t = smr_model_triangle(c->shared, k);
     const float *x = c->shape->x;
     const smr_vec sum = smr_add(smr_get3(x, t[0]), smr_add(smr_get3(x, t[1]), smr_get3(x, t[2])));
     const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_get3(c->shape->triangle_normal, k), -1.0f),
@@ -288,9 +294,10 @@ void smr_contact_find_triangle(smr_contact *c, uint32_t k, smr_worker *w)
 /* Returns the three stored vertices of the touched triangle; NULL for a fixed surface, which does not move. */
 static const uint32_t *corners_of(const smr_contact *c, const smr_touch *touch)
 {
-    if (touch->body >= c->shared->n_structures)
+    const smr_shape_structure *one = &c->shape->structure[touch->body];
+    if (touch->body >= c->shared->n_structures || touch->triangle >= one->tree.n_triangles)
         return NULL;
-    return c->shape->structure[touch->body].tree.triangle + 3u * (size_t)touch->triangle;
+    return smr_model_triangle(c->shared, one->first_triangle + touch->triangle);
 }
 
 smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx)
@@ -392,7 +399,7 @@ static void separate_triangles(const smr_contact *c, uint32_t chunk)
 {
     const uint32_t last = smr_min_u32((chunk + 1u) * SMR_PROJECT_CHUNK, c->shared->n_triangles);
     for (uint32_t k = chunk * SMR_PROJECT_CHUNK; k < last; k++) {
-        const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(c->shared, k);
         const place p = {3, {t[0], t[1], t[2]}, {1.0f / 3.0f, 1.0f / 3.0f, 1.0f / 3.0f}};
         if (c->triangle_touch[k].body != SMR_NONE)
             separate(c, &p, &c->triangle_touch[k]);

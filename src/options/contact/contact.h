@@ -34,6 +34,7 @@ typedef struct smr_touch {
 typedef struct smr_fixed_surface {
     const smr_surface *surface;   /* the caller's surface; NULL: no surface is set */
     uint32_t n_vertices, changes; /* number of vertices and change counter of the surface when it was set */
+    uint32_t guard, body;         /* as in smr_target */
 } smr_fixed_surface;
 
 typedef struct smr_contact {
@@ -58,7 +59,8 @@ void smr_contact_reset(smr_contact *c);  /* discards contacts, pushes and distan
 void smr_contact_begin(smr_contact *c);  /* when an iteration begins: computes boxes and triangles_due */
 void smr_contact_commit(smr_contact *c); /* when forces are complete: stores reach_next in reach */
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets a fixed surface; NULL: none */
-int smr_fixed_valid(const smr_contact *c); /* returns 1 when no fixed surface has changed since it was set */
+/* Checks that no fixed surface has changed since it was set. Errors: E_STATE; E_DAMAGED (a fault in a header). */
+smr_status smr_fixed_valid(const smr_contact *c);
 
 static inline int smr_contact_used(const smr_contact *c) { return SMR_HAS_CONTACT && c->touch != NULL; }
 

@@ -30,7 +30,7 @@ void smr_smooth_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
     const uint32_t last = smr_min_u32((task - n + 1u) * SMR_TRIANGLE_CHUNK, s->shared->n_triangles);
     for (uint32_t k = (task - n) * SMR_TRIANGLE_CHUNK; k < last; k++)
-        smr_ring_add(&s->rings, s->shared->triangle + 3u * (size_t)k, s->shape->x);
+        smr_ring_add(&s->rings, smr_model_triangle(s->shared, k), s->shape->x);
 }
 
 /* Returns the height of the mesh neighbours' mean position above vertex v, along the vertex' normal, mm. */

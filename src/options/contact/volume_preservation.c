@@ -87,7 +87,7 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
 {
     smr_enclosed sum = {{0, 0, 0, 0}};
     for (uint32_t k = from; k < to; k++) {
-        const uint32_t *t = v->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(v->shared, k);
         smr_vec at[3], normal[3];
         for (uint32_t c = 0; c < 3u; c++) {
             at[c] = smr_sub(smr_get3(v->shape->x_next, t[c]), apex);
@@ -103,9 +103,9 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
 static void sum_piece(smr_volumes *v, uint32_t from, uint32_t to)
 {
     while (from < to) {
-        const uint32_t i = smr_model_owner(v->shared->model, v->shared->triangle[3u * (size_t)from]);
+        const uint32_t i = smr_model_owner(v->shared->model, smr_model_triangle(v->shared, from)[0]);
         const smr_shape_structure *one = &v->shape->structure[i];
-        const uint32_t last = smr_min_u32(to, one->first_triangle + one->tree.n_triangles);
+        const uint32_t end = one->first_triangle + one->tree.n_triangles, last = end > from ? smr_min_u32(to, end) : to;
         smr_kept_volume *kept = &v->kept[i];
         if (from == one->first_triangle) {
             memset(&kept->sum, 0, sizeof kept->sum);

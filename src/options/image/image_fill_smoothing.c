@@ -95,7 +95,7 @@ static uint32_t add_rings(smr_image_goals *g, uint32_t structure, uint32_t from,
         (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
         return 0; /* less than half have a goal: sums stay 0, which smooths nothing */
     for (uint32_t k = from; k < to; k++) {
-        const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(g->shared, g->shape->structure[structure].first_triangle + k);
         const smr_vec a = smr_get3(g->shape->x, t[0]), b = smr_get3(g->shape->x, t[1]), c = smr_get3(g->shape->x, t[2]);
         const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
         for (uint32_t i = 0; i < 3u; i++) {

@@ -107,7 +107,7 @@ void smr_point_spread_run(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     if (at < of_triangles) {
         const uint32_t last = smr_min_u32((at + 1u) * SMR_TRIANGLE_CHUNK, p->shared->n_triangles);
         for (uint32_t k = at * SMR_TRIANGLE_CHUNK; k < last; k++)
-            add(p, p->shared->triangle + 3u * (size_t)k);
+            add(p, smr_model_triangle(p->shared, k));
         return;
     }
     for (uint32_t v = (at - of_triangles) * SMR_CHUNK; v < smr_chunk_end(p->shared, at - of_triangles); v++)

@@ -164,7 +164,7 @@ static void add_controls(smr_occluded_field *f, uint32_t first, uint32_t last)
         if (k < f->landmarks->n)
             add_landmark(f, k);
         else
-            add_vertex(f, k, choice(f)->control[k - f->landmarks->n], ratio);
+            add_vertex(f, k, smr_index(choice(f)->control[k - f->landmarks->n], f->shared->n), ratio);
 }
 
 /* Fits the pose to all controls. */
@@ -231,7 +231,7 @@ void smr_occluded_field_solve(void *arg, uint32_t task, SMR_UNUSED uint32_t work
     const uint32_t choose_at = looks(f), passes_at = 2u * choose_at, n = parts(f), tries_at = passes_at + 2u * n;
     const uint32_t factor_at = tries_at + SMR_FIELD_TRIES * SMR_TRY_TASKS, solve_at = factor_at + f->most;
     if (task == passes_at)
-        begin(f, choice(f)->n);
+        begin(f, smr_min_u32(choice(f)->n, f->most - f->landmarks->n));
     if (task == passes_at + n)
         fit_pose(f);
     if (task < choose_at)

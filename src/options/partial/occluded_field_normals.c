@@ -71,7 +71,7 @@ static smr_vec open_part(const smr_shared *shared, const smr_shape_structure *on
     const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(shared, k);
         const smr_vec two = smr_triangle_cross(smr_rest(shared, t[0]), smr_rest(shared, t[1]), smr_rest(shared, t[2]));
         sum = smr_add(sum, two);
         *area += smr_length(two);
@@ -151,21 +151,22 @@ void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control,
 {
     const float inverse = SMR_SQRT(f->per_length2);
     for (uint32_t k = first; k < last; k++) {
-        const smr_vec n = smr_get3(f->shape->normal, control[k]);
+        const uint32_t v = smr_index(control[k], f->shared->n);
+        const smr_vec n = smr_get3(f->shape->normal, v);
         const smr_vec posed = smr_field_posed(f, smr_get3(f->start, k));
         const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
         float *const m = motions(f, k);
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
-        const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, control[k])];
+        const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
         const int in_image = smr_field_of_part(f) && target->surface == NULL;
-        const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, control[k]);
+        const smr_vec on = in_image ? smr_v(0, 0, 0) : smr_surface_goal_again(f->goals, v);
         const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
         f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f, f->back, m, SMR_FIELD_MOTIONS);
         smr_put3(f->coefficient, k, n);
         if (smr_blends(f->shape))
-            add_references(f, k, control[k]);
+            add_references(f, k, v);
     }
     /* the prior variance of the shapes' motions is 1 / prior of their mean variance; weights stay in tracking */
     if (last == f->n && smr_blends(f->shape) && !f->schedule->tracking)

@@ -78,7 +78,7 @@ typedef struct answer {
 static void add_corner(const smr_surface_goals *g, const smr_shape_structure *one, const smr_surface *target,
                        uint32_t j, uint32_t triangle, float weight, answer *a)
 {
-    const uint32_t *t = one->tree.triangle + 3u * (size_t)triangle;
+    const uint32_t *t = smr_triangle_at(one->tree.triangle, triangle, one->tree.n_vertices);
     const float *x = g->shape->x;
     const smr_vec y = smr_add(smr_get3(target->xyz, j), smr_sub(target->origin, g->shape->origin));
     float w[3];
@@ -102,7 +102,7 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
                     float tolerance)
 {
     const smr_shape_structure *one = &g->shape->structure[smr_model_owner(g->shared->model, v)];
-    const uint32_t *corner = target->triangle + 3u * (size_t)hit->triangle;
+    const uint32_t *corner = smr_triangle_of(target->triangle, hit->triangle, target->n_vertices);
     answer a = {{0, 0, 0}, 0, 0};
     if (!smr_attracts(g, target))
         return 1.0f;

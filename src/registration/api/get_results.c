@@ -5,7 +5,7 @@
 
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
 {
-    SMR_TRY(smr_readable(s, structure, xyz));
+    SMR_TRY(smr_positions_readable(s, structure, xyz));
     const smr_shape_structure *one = &s->shape.structure[structure];
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
@@ -101,7 +101,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
 
 uint64_t smr_state_hash(const smr *s)
 {
-    if (!smr_valid(s))
+    if (smr_sound(s) != SMR_OK)
         return 0;
     return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(s->shape.x_ref, s->shared.n);
 }

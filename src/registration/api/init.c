@@ -178,8 +178,9 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     smr *self = smr_layout(&a, &s);
     s.magic = SMR_STATE_MAGIC;
     s.placed = self;
+    s.arena_bytes = needed;
     if (port != NULL)
-        s.port = *port;
+        s.port = (smr_port){port->ctx, port->n_workers, port->parallel, port->now_ns};
     s.shared.min_cos = smr_cos_degrees(config->forces.normal_deg);
     start_triangles(&s);
     start_masses(&s.shared);
@@ -200,6 +201,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     if (SMR_HAS_CONTACT)
         smr_smooth_rest(&self->forces.smooth);
     self->log.fresh = 1;
+    smr_guard_close(self);
     *out = self;
     return SMR_OK;
 }

@@ -98,6 +98,7 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
     (void)go_over(self, SMR_KEEP_RESTORE, saved, saved_bytes);
     self->await = smr_await;
     derive(self);
+    smr_guard_close(self);
     *out = self;
     return SMR_OK;
 }

@@ -167,6 +167,7 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
     s->n_awaited--;
     if (s->n_awaited == 0u)
         smr_take_goals(&s->forces.surface);
+    smr_guard_close(s);
     return SMR_OK;
 }
 
@@ -206,7 +207,8 @@ static smr_status await_force(smr *s, const smr_caller_force *own)
 static smr_status await_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
     SMR_TRY(take(s, 2u * s->shared.n_structures + 2u + index, smr_surface_checksum(surface)));
-    s->forces.contact.fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
+    s->forces.contact.fixed[index] =
+        (smr_fixed_surface){surface, surface->n_vertices, surface->changes, smr_surface_guard(surface), 0};
     return SMR_OK;
 }
 
@@ -234,5 +236,6 @@ smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what)
     }
     if (s->n_awaited == 0u)
         smr_take_goals(&s->forces.surface);
+    smr_guard_close(s);
     return status;
 }

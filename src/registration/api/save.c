@@ -109,13 +109,15 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes)
 smr_status smr_save(const smr *s, void *memory, size_t bytes)
 {
     unsigned char *to = memory;
-    size_t needed;
+    size_t needed = 0;
     if (memory == NULL)
         return SMR_E_NULL;
     SMR_TRY(smr_save_bytes(s, &needed));
+    SMR_TRY(smr_sound(s));
     if (!smr_ready(s) || s->refused || s->forces.caller.broken || s->step != 0u || s->next_task != 0u ||
-        !smr_can_wait(&s->shared) || !smr_inputs_valid(&s->forces))
+        !smr_can_wait(&s->shared))
         return SMR_E_STATE; /* saves only between iterations, when all inputs can still be read */
+    SMR_TRY(smr_inputs_valid(&s->forces));
     if (bytes < needed || needed > UINT32_MAX)
         return SMR_E_ARENA;
     const smr_keeper k = go_over(s, SMR_KEEP_SAVE, to, needed - 4u);

@@ -28,7 +28,7 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
     s->forces.caller.goals[structure] = goals;
     s->schedule.n_set++;
     smr_restart_forces(s, SMR_CHANGED_MOVED);
-    smr_log_note(&s->log, SMR_LOG_GOALS, structure, &goals, n);
+    smr_changed(s, SMR_LOG_GOALS, structure, &goals, n);
     return SMR_OK;
 }
 
@@ -44,6 +44,6 @@ smr_status smr_set_force(smr *s, smr_force force, void *ctx)
     s->forces.caller.ctx = force != NULL ? ctx : NULL;
     s->forces.caller.broken = 0;
     smr_restart_forces(s, SMR_CHANGED);
-    smr_log_note(&s->log, SMR_LOG_FORCE, force != NULL, NULL, 0);
+    smr_changed(s, SMR_LOG_FORCE, force != NULL, NULL, 0);
     return SMR_OK;
 }

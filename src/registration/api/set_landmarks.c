@@ -43,7 +43,7 @@ static int bind_triangle(smr_bound_landmark *b, const smr *s, smr_vec p)
     const smr_shared *c = &s->shared;
     float least = SMR_FAR, w[3];
     for (uint32_t k = 0; k < c->n_triangles; k++) {
-        const uint32_t *t = c->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(c, k);
         if (!of_structure(s, b->given.structure, t[0]))
             continue;
         const smr_vec corner[3] = {smr_rest(c, t[0]), smr_rest(c, t[1]), smr_rest(c, t[2])};
@@ -125,7 +125,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
     g->n = n;
     s->schedule.n_set++;
     smr_restart_forces(s, n > 0u ? SMR_CHANGED_SHOWN : SMR_CHANGED);
-    smr_log_note(&s->log, SMR_LOG_LANDMARKS, 0, landmarks, n);
+    smr_changed(s, SMR_LOG_LANDMARKS, 0, landmarks, n);
     return SMR_OK;
 }
 

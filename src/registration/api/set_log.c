@@ -4,8 +4,7 @@
 
 smr_status smr_set_log(smr *s, void *memory, size_t bytes)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
+    SMR_TRY(smr_sound(s));
     if (smr_changeable(s) && smr_awaits_log(&s->log))
         return smr_await_log(s, memory, bytes);
     if (!smr_ready(s) || (memory != NULL && !s->log.fresh))
@@ -17,5 +16,6 @@ smr_status smr_set_log(smr *s, void *memory, size_t bytes)
         smr_log_end(&s->log);
     else
         smr_log_start(&s->log, &s->shared, memory, bytes);
+    smr_guard_close(s);
     return SMR_OK;
 }

@@ -9,8 +9,7 @@ static smr_status check(const smr *s, const void *what)
         return SMR_E_NULL;
     if (!SMR_HAS_DYNAMICS)
         return SMR_E_CONFIG;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
+    SMR_TRY(smr_sound(s));
     return s->shape.dynamics == NULL ? SMR_E_ARENA : SMR_OK;
 }
 
@@ -47,7 +46,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
     d->weighed |= other && s->schedule.iteration > 0u; /* new masses: stored energies are outdated, if there are any */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
-    smr_log_note(&s->log, SMR_LOG_MOTION, structure, &motion, one->n_vertices);
+    smr_changed(s, SMR_LOG_MOTION, structure, &motion, one->n_vertices);
     return SMR_OK;
 }
 

@@ -72,7 +72,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_put3(s->shape.x, v, smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
     start_here(s, 1);
-    smr_log_note(&s->log, SMR_LOG_POSE, 0, pose, 0);
+    smr_changed(s, SMR_LOG_POSE, 0, pose, 0);
     return SMR_OK;
 }
 
@@ -89,6 +89,6 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
         smr_put3(s->shape.x, v, smr_sub(smr_get3(xyz, i), s->shape.origin));
     }
     start_here(s, 0);
-    smr_log_note(&s->log, SMR_LOG_POSITIONS, structure, xyz, one->n_vertices);
+    smr_changed(s, SMR_LOG_POSITIONS, structure, xyz, one->n_vertices);
     return SMR_OK;
 }

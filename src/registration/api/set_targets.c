@@ -101,6 +101,7 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other)
 {
     g->target[structure].n_vertices = g->target[other].n_vertices;
     g->target[structure].changes = g->target[other].changes;
+    g->target[structure].guard = g->target[other].guard;
     if (g->then != NULL)
         g->then[structure] = g->then[other];
 }
@@ -111,6 +112,7 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
     const int cloud = surface != NULL && smr_is_points(surface);
     g->target[first].n_vertices = surface == NULL ? 0u : surface->n_vertices;
     g->target[first].changes = surface == NULL ? 0u : surface->changes;
+    g->target[first].guard = surface == NULL ? 0u : smr_surface_guard(surface);
     if (g->then != NULL) {
         const uint32_t n = cloud ? surface->n_vertices : 0u;
         g->then[first] = (smr_points_then){cloud ? smr_points_checksum(surface->xyz, n) : 0u, n};
@@ -166,7 +168,7 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_SURFACE, structure, surface);
     SMR_TRY(smr_set_target(s, structure, surface));
-    smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
+    smr_changed(s, SMR_LOG_SURFACE, structure, surface, 0);
     return SMR_OK;
 }
 
@@ -177,7 +179,7 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_POINTS, structure, surface);
     SMR_TRY(smr_set_target(s, structure, surface));
-    smr_log_note(&s->log, SMR_LOG_POINTS, structure, points, 0);
+    smr_changed(s, SMR_LOG_POINTS, structure, points, 0);
     return SMR_OK;
 }
 
@@ -194,7 +196,7 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
         return s->await(s, SMR_LOG_FIXED_SURFACE, index, surface);
     smr_contact_fix(c, index, surface);
     smr_restart_forces(s, SMR_CHANGED);
-    smr_log_note(&s->log, SMR_LOG_FIXED_SURFACE, index, surface, 0);
+    smr_changed(s, SMR_LOG_FIXED_SURFACE, index, surface, 0);
     return SMR_OK;
 }
 
@@ -205,6 +207,7 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return SMR_E_NULL;
     if (!SMR_HAS_IMAGE)
         return SMR_E_CONFIG;
+    SMR_TRY(smr_sound(s));
     if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
         return SMR_E_STATE;
     SMR_TRY(volume == NULL ? SMR_OK : smr_grid_open(volume, &grid));
@@ -222,6 +225,6 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         smr_restart_forces(s, SMR_CHANGED_IMAGE);
     else
         smr_schedule_start(s);
-    smr_log_note(&s->log, SMR_LOG_VOLUME, 0, volume, 0);
+    smr_changed(s, SMR_LOG_VOLUME, 0, volume, 0);
     return SMR_OK;
 }

@@ -17,7 +17,7 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
         if (structure == SMR_ALL || structure == i)
             kept[i].ratio = ratio;
     smr_restart_forces(s, SMR_CHANGED);
-    smr_log_note(&s->log, SMR_LOG_VOLUME_RATIO, structure, &ratio, 0);
+    smr_changed(s, SMR_LOG_VOLUME_RATIO, structure, &ratio, 0);
     return SMR_OK;
 }
 

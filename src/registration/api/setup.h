@@ -21,14 +21,15 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
 /* sets the target of a structure or of SMR_ALL, for smr_set_surface() and smr_set_points() */
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* Checks whether an input may be set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick runs). */
+/* Checks whether an input may be set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick runs),
+ * E_DAMAGED. */
 static inline smr_status smr_settable(const smr *s, int built, int legal)
 {
     if (s == NULL)
         return SMR_E_NULL;
     if (!built)
         return SMR_E_CONFIG;
-    return legal && smr_changeable(s) ? SMR_OK : SMR_E_STATE;
+    return legal && smr_changeable(s) ? smr_sound(s) : SMR_E_STATE;
 }
 
 /* For a new input: marks measures as outdated, and discards results of searches, whose progress a replay does not know.

@@ -32,10 +32,9 @@ void smr_exact_normals_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_evolve *e = arg;
     float *const x = e->shape->x_next;
     uint32_t *const sum = e->sums->sum;
-    const uint32_t *const triangle = e->shared->triangle;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
-        const uint32_t *t = triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_triangle_at(e->shared->triangle, k, e->shared->n);
         const smr_vec n = smr_corners_cross(x, t);
         for (uint32_t c = 0; c < 3u; c++)
             smr_next_normal_set(sum, t[c], smr_add(smr_next_normal(sum, t[c]), n));

@@ -54,7 +54,7 @@ void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_tangent_smooth *e = arg;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++)
-        smr_ring_add(&e->rings, e->shared->triangle + 3u * (size_t)k, e->rings.displacement);
+        smr_ring_add(&e->rings, smr_model_triangle(e->shared, k), e->rings.displacement);
 }
 
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)

@@ -19,7 +19,7 @@ static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
 
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h)
 {
-    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_edge_second(h)));
+    return smr_dot(normal_at(f, x, smr_edge_first(f, h)), normal_at(f, x, smr_edge_second(f, h)));
 }
 
 smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk)

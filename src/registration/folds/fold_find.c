@@ -46,8 +46,8 @@ static uint32_t find(const smr_folds *f, uint32_t from, uint32_t to, smr_tally *
     uint32_t n = 0, n_open = 0, close = 0;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = dihedral + i;
-        const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
-        const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(h));
+        const smr_vec a = smr_load(normal + 3u * (size_t)smr_edge_first(f, h));
+        const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(f, h));
         const float next = smr_dot(a, b);
         if (!(next < SMR_LIMIT_BELOW))
             continue;

@@ -44,7 +44,7 @@ static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
 /* Writes the four corners of a dihedral edge: those of the first triangle, then the other corner of the second. */
 static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_t corner[4])
 {
-    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_edge_second(h));
+    const uint32_t *a = smr_corners(f, smr_edge_first(f, h)), *b = smr_corners(f, smr_edge_second(f, h));
     memcpy(corner, a, 3u * sizeof *a);
     corner[3] = a[0];
     for (uint32_t c = 0; c < 3u; c++)
@@ -91,7 +91,7 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
 static int passed_over(const smr_folds *f, uint32_t i)
 {
     const smr_stored_dihedral *h = smr_edge_at(f, i);
-    const uint32_t first = smr_le32(h->first), second = smr_edge_second(h), round = f->limit.round;
+    const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h), round = f->limit.round;
     if (round == 0u)
         return f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u;
     return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||

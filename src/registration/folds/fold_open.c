@@ -99,7 +99,7 @@ static void open_chunk(smr_folds *f, uint32_t chunk)
     const int found = f->tally[from / SMR_DIHEDRAL_CHUNK].folds.n_open > 0u;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
-        const uint32_t first = smr_le32(h->first), second = smr_edge_second(h);
+        const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
         if (!smr_edge_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
             continue;
         const side a = side_of(f, first), b = side_of(f, second);

@@ -28,26 +28,29 @@ static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
         if (f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u ||
             !(smr_dihedral_cosine(f, f->shape->x_next, h) < smr_edge_limit(h)))
             continue;
-        mark(f, smr_le32(h->first));
-        mark(f, smr_edge_second(h));
+        mark(f, smr_edge_first(f, h));
+        mark(f, smr_edge_second(f, h));
         f->repair.n_folds++;
     }
 }
 
 /* Marks the mesh neighbours of marked vertices by another bit, so that a pass adds one ring. */
-static void widen(smr_folds *f, const uint32_t *t, const uint32_t *end)
+static void widen(smr_folds *f, uint32_t triangle, uint32_t last)
 {
-    for (; t < end; t += 3)
+    for (; triangle < last; triangle++) {
+        const uint32_t *const t = smr_corners(f, triangle);
         if ((f->marked[t[0]] | f->marked[t[1]] | f->marked[t[2]]) & 1u)
             for (uint32_t c = 0; c < 3u; c++)
                 f->marked[t[c]] |= 2u;
+    }
 }
 
 /* Makes the marks of all rings equal to 1. */
-static void join(smr_folds *f, const uint32_t *t, const uint32_t *end)
+static void join(smr_folds *f, uint32_t triangle, uint32_t last)
 {
-    for (; t < end; t++)
-        f->marked[*t] = f->marked[*t] != 0u;
+    for (; triangle < last; triangle++)
+        for (uint32_t c = 0; c < 3u; c++)
+            f->marked[smr_corners(f, triangle)[c]] = f->marked[smr_corners(f, triangle)[c]] != 0u;
 }
 
 static void clear_ring(smr_folds *f, uint32_t v)
@@ -161,8 +164,8 @@ void smr_fold_repair_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_REPAIR_CHUNK);
     switch (pass->stage) {
     case REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
-    case REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
-    case REPAIR_JOIN: join(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case REPAIR_WIDER: widen(f, piece.from, piece.to); break;
+    case REPAIR_JOIN: join(f, piece.from, piece.to); break;
     case REPAIR_CLEAR: clear_rings(f, piece.from, piece.to); break;
     case REPAIR_SUM: sum_rings(f, piece.from, piece.to); break;
     case REPAIR_MOVE: move(f, piece.from, piece.to); break;

@@ -103,9 +103,16 @@ static inline const smr_stored_dihedral *smr_edge_at(const smr_folds *f, uint32_
     return (const smr_stored_dihedral *)smr_at(f->shared->model, f->shared->model->at_dihedrals) + i;
 }
 
-/* smr_edge_second(): an edge's second triangle. smr_edge_limit(): the cosine below which the edge is folded.
+/* smr_edge_first(), smr_edge_second(): an edge's triangles. smr_edge_limit(): cosine below which the edge is folded.
  * smr_edge_open(): 1 when the edge's triangles do not face away from each other in the rest shape. */
-static inline uint32_t smr_edge_second(const smr_stored_dihedral *h) { return smr_le32(h->bend) & SMR_DIHEDRAL_MASK; }
+static inline uint32_t smr_edge_first(const smr_folds *f, const smr_stored_dihedral *h)
+{
+    return smr_index(smr_le32(h->first), f->shared->n_triangles);
+}
+static inline uint32_t smr_edge_second(const smr_folds *f, const smr_stored_dihedral *h)
+{
+    return smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, f->shared->n_triangles);
+}
 static inline float smr_edge_limit(const smr_stored_dihedral *h) { return smr_dihedral_limit(smr_le32(h->bend)); }
 static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_limit(h) > SMR_DIHEDRAL_OPEN; }
 
@@ -115,15 +122,13 @@ float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedra
 /* Returns the share, 0..1, by which the steps of h's corners must move to their mean if h's next cosine is `next`. */
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next);
 
-static inline const uint32_t *smr_corners(const smr_folds *f, uint32_t t)
-{
-    return f->shared->triangle + 3u * (size_t)t;
-}
+static inline const uint32_t *smr_corners(const smr_folds *f, uint32_t t) { return smr_model_triangle(f->shared, t); }
 
+/* Returns not 0 when a corner of the triangle is marked. */
 static inline int smr_any_marked(const smr_folds *f, uint32_t triangle)
 {
-    const uint32_t *t = smr_corners(f, triangle);
-    return f->marked[t[0]] | f->marked[t[1]] | f->marked[t[2]];
+    const uint32_t *const t = f->shared->triangle + 3u * (size_t)triangle, n = f->shared->n;
+    return f->marked[smr_index(t[0], n)] | f->marked[smr_index(t[1], n)] | f->marked[smr_index(t[2], n)];
 }
 
 void smr_runs_clear(smr_folds *f); /* clears the bits of all runs: no run has a marked corner */

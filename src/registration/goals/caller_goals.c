@@ -58,6 +58,13 @@ static int same(const smr_caller_goals *g, const chunk *c, uint32_t first, uint3
     return alike;
 }
 
+/* Returns the caller's number of vertex v in its structure, an index of the caller's arrays also after a fault. */
+static uint32_t place_of(const smr_caller_goals *g, uint32_t v, uint32_t owner)
+{
+    const smr_shape_structure *one = &g->shape->structure[owner];
+    return smr_index(smr_model_original(g->shared->model, v) - one->first_vertex, one->n_vertices);
+}
+
 static void ask(smr_caller_goals *g, uint32_t task)
 {
     chunk c;
@@ -70,7 +77,7 @@ static void ask(smr_caller_goals *g, uint32_t task)
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t v = first + i, owner = smr_model_owner(model, v);
         c.structure[i] = owner;
-        c.vertex[i] = smr_model_original(model, v) - g->shape->structure[owner].first_vertex;
+        c.vertex[i] = place_of(g, v, owner);
         smr_store(c.xyz[i], smr_add(smr_get3(g->shape->x, v), g->shape->origin));
         smr_store(c.rest[i], smr_add(smr_rest(g->shared, v), smr_model_centre(model)));
     }
@@ -89,7 +96,7 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displaceme
 {
     const uint32_t owner = smr_model_owner(g->shared->model, v);
     const smr_goals *own = &g->goals[owner];
-    const uint32_t i = smr_model_original(g->shared->model, v) - g->shape->structure[owner].first_vertex;
+    const uint32_t i = place_of(g, v, owner);
     if (own->xyz == NULL)
         return 0.0f;
     const smr_vec goal = smr_get3(own->xyz, i);

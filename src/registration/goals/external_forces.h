@@ -75,7 +75,8 @@ static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 }
 
 /* goal_priority.c: the sources of goals. A further source has its struct in smr_forces and its lines in that file. */
-int smr_inputs_valid(const smr_forces *f); /* 1: no target or fixed surface has changed since it was set */
+/* Checks that no target or fixed surface has changed since it was set. Errors: E_STATE; E_DAMAGED (by a fault). */
+smr_status smr_inputs_valid(const smr_forces *f);
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_sources_reset(smr_forces *f);
 void smr_sources_commit(smr_forces *f);           /* stores the results of all sources of goals for the next forces */

@@ -4,9 +4,10 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/external_forces.h"
 
-int smr_inputs_valid(const smr_forces *f)
+smr_status smr_inputs_valid(const smr_forces *f)
 {
-    return smr_targets_valid(&f->surface) && (!SMR_HAS_CONTACT || smr_fixed_valid(&f->contact));
+    const smr_status status = smr_targets_valid(&f->surface);
+    return SMR_HAS_CONTACT && status == SMR_OK ? smr_fixed_valid(&f->contact) : status;
 }
 
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)

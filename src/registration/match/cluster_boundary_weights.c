@@ -27,14 +27,15 @@ static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from
 }
 
 /* For each boundary pair of a task: adds each vertex' share to the other's cluster sum. r not NULL: sums moments. */
-static inline void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
+static void add_pairs(smr_sums *s, smr_reference *r, uint32_t task)
 {
     const smr_schedule *schedule = s->schedule;
     const smr_lists *l = &schedule->lists;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, l->n_boundary);
     for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const uint32_t a = smr_le32(l->boundary[i].first), b = smr_le32(l->boundary[i].second);
-        const int32_t share = (int32_t)smr_le32(l->boundary[i].share) - SMR_BOUNDARY_UNITS / 2;
+        const smr_stored_boundary *const pair = &l->boundary[i];
+        const uint32_t a = smr_index(smr_le32(pair->first), l->n), b = smr_index(smr_le32(pair->second), l->n);
+        const int32_t share = (int32_t)(smr_le32(pair->share) - SMR_BOUNDARY_UNITS / 2);
         if (smr_active(schedule, b))
             add(s, r, a, b, share);
         if (smr_active(schedule, a))

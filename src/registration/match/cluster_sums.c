@@ -67,42 +67,44 @@ static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l)
             acc[k] operation load_lanes(r + 4u * k);                                                                   \
     }
 
-/* A piece of a block: entries from .. to - 1; `index` is the first index of entry `from`. */
+/* A piece of a block: entries from .. to - 1 of those from `first` on; `index` is the first index of entry `from`. */
 typedef struct piece {
-    uint32_t block, from, to, index;
+    uint32_t first, from, to, index;
 } piece;
 
 #define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                                           \
     static inline uint32_t name(const smr_lists *l, piece p, uint32_t limit, const uint32_t *record, uint32_t *sum,    \
                                 const uint32_t n_lanes)                                                                \
     {                                                                                                                  \
-        const entry_type *entry = (const entry_type *)l->entry + smr_le32(l->block[p.block].first);                    \
+        const entry_type *entry = (const entry_type *)l->entry + p.first;                                              \
         const index_type *index = (const index_type *)l->index + p.index;                                              \
-        const int all = limit >= smr_le32(l->block[l->n_blocks].first);                                                \
+        const index_type *const end = (const index_type *)l->index + l->n_indexes;                                     \
+        const uint32_t n = l->n;                                                                                       \
+        const int all = limit >= n;                                                                                    \
         for (uint32_t e = p.from; e < p.to; e++) {                                                                     \
-            const uint32_t parent = load(entry[e].parent);                                                             \
-            const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);                               \
-            const index_type *const minus = index + load(entry[e].n_plus), *const next =                               \
-                                                                               minus + load(entry[e].n_minus);         \
+            const uint32_t parent = smr_min_u32(load(entry[e].parent), e);                                             \
+            const uint32_t *from = sum + SMR_WORDS * (size_t)smr_index(load(entry[parent].vertex), n);                 \
+            const index_type *const minus = index + smr_min_u32(load(entry[e].n_plus), (uint32_t)(end - index));       \
+            const index_type *const next = minus + smr_min_u32(load(entry[e].n_minus), (uint32_t)(end - minus));       \
             lanes acc[SMR_WORDS / 4u] = {{0}};                                                                         \
             for (uint32_t k = 0; parent != e && k < n_lanes; k++)                                                      \
                 acc[k] = load_lanes(from + 4u * k);                                                                    \
             if (all || index == minus || load(minus[-1]) < limit)                                                      \
-                for (uint32_t n = load(entry[e].n_plus); n > 0u; n--)                                                  \
-                    SMR_ADD(+=, load(*index++))                                                                        \
+                for (; index < minus; index++)                                                                         \
+                    SMR_ADD(+=, smr_index(load(*index), n))                                                            \
             else                                                                                                       \
                 for (; load(*index) < limit; index++)                                                                  \
                     SMR_ADD(+=, load(*index))                                                                          \
             index = minus;                                                                                             \
             if (all || index == next || load(next[-1]) < limit)                                                        \
-                for (uint32_t n = load(entry[e].n_minus); n > 0u; n--)                                                 \
-                    SMR_ADD(-=, load(*index++))                                                                        \
+                for (; index < next; index++)                                                                          \
+                    SMR_ADD(-=, smr_index(load(*index), n))                                                            \
             else                                                                                                       \
                 for (; load(*index) < limit; index++)                                                                  \
                     SMR_ADD(-=, load(*index))                                                                          \
             index = next;                                                                                              \
             for (uint32_t k = 0; k < n_lanes; k++)                                                                     \
-                store_lanes(sum + SMR_WORDS * (size_t)load(entry[e].vertex) + 4u * k, acc[k]);                         \
+                store_lanes(sum + SMR_WORDS * (size_t)smr_index(load(entry[e].vertex), n) + 4u * k, acc[k]);           \
         }                                                                                                              \
         return (uint32_t)(index - (const index_type *)l->index);                                                       \
     }
@@ -123,26 +125,29 @@ static uint32_t chain(const smr_sums *s, piece p)
     return narrow ? chain16(l, p, active, record, s->sum, 4u) : chain32(l, p, active, record, s->sum, 4u);
 }
 
-/* Returns entry e of a block as four words. */
-static smr_entry32 entry_of(const smr_lists *l, uint32_t block, uint32_t e)
+/* Returns entry e of a piece as four words, within their bounds also after a fault. */
+static smr_entry32 entry_of(const smr_lists *l, const piece *p, uint32_t e)
 {
-    const uint32_t at = smr_le32(l->block[block].first) + e;
-    const smr_entry16 *narrow = (const smr_entry16 *)l->entry + at;
-    const smr_entry32 *wide = (const smr_entry32 *)l->entry + at;
-    if (l->index_bytes == 2u)
-        return (smr_entry32){smr_le16(narrow->vertex), smr_le16(narrow->parent), smr_le16(narrow->n_plus),
-                             smr_le16(narrow->n_minus)};
-    return (smr_entry32){smr_le32(wide->vertex), smr_le32(wide->parent), smr_le32(wide->n_plus),
-                         smr_le32(wide->n_minus)};
+    const smr_entry16 *narrow = (const smr_entry16 *)l->entry + p->first + e;
+    const smr_entry32 *wide = (const smr_entry32 *)l->entry + p->first + e;
+    const smr_entry32 r =
+        l->index_bytes == 2u
+            ? (smr_entry32){smr_le16(narrow->vertex), smr_le16(narrow->parent), smr_le16(narrow->n_plus),
+                            smr_le16(narrow->n_minus)}
+            : (smr_entry32){smr_le32(wide->vertex), smr_le32(wide->parent), smr_le32(wide->n_plus),
+                            smr_le32(wide->n_minus)};
+    const uint32_t plus = smr_min_u32(r.n_plus, l->n_indexes - p->index);
+    return (smr_entry32){smr_index(r.vertex, l->n), smr_min_u32(r.parent, e), plus,
+                         smr_min_u32(r.n_minus, l->n_indexes - p->index - plus)};
 }
 
 /* Returns the work, in instructions at most, for an entry or an index. */
 static uint32_t work_of(const smr_sums *s) { return SMR_WORK_ENTRY + SMR_WORK_WORD * s->words; }
 
-/* Returns the work, in instructions at most, for entry e of a block and its indexes. */
-static uint64_t work_at(const smr_sums *s, uint32_t block, uint32_t e)
+/* Returns the work, in instructions at most, for entry e of a piece and its indexes. */
+static uint64_t work_at(const smr_sums *s, const piece *p, uint32_t e)
 {
-    const smr_entry32 entry = entry_of(&s->schedule->lists, block, e);
+    const smr_entry32 entry = entry_of(&s->schedule->lists, p, e);
     return (uint64_t)work_of(s) * (1u + entry.n_plus + entry.n_minus);
 }
 
@@ -153,7 +158,7 @@ static uint32_t entries_for(const smr_sums *s, const piece *p, uint32_t length, 
     if (pause->left == SMR_ENDLESS)
         return length;
     for (; to < length; to++) {
-        const uint64_t work = work_at(s, p->block, to);
+        const uint64_t work = work_at(s, p, to);
         if (work > pause->left)
             break;
         pause->left -= (uint32_t)work;
@@ -165,7 +170,7 @@ static uint32_t entries_for(const smr_sums *s, const piece *p, uint32_t length, 
 static void add_some(const smr_sums *s, piece *p, smr_worker *w)
 {
     const smr_lists *l = &s->schedule->lists;
-    const smr_entry32 entry = entry_of(l, p->block, p->from), parent = entry_of(l, p->block, entry.parent);
+    const smr_entry32 entry = entry_of(l, p, p->from), parent = entry_of(l, p, entry.parent);
     const uint32_t length = entry.n_plus + entry.n_minus, n = smr_min_u32(w->pause.left / work_of(s), length);
     const uint32_t last = smr_min_u32(length, w->within + n);
     uint32_t *sum = s->sum + SMR_WORDS * (size_t)entry.vertex;
@@ -174,7 +179,7 @@ static void add_some(const smr_sums *s, piece *p, smr_worker *w)
     for (uint32_t i = w->within; i < last; i++) {
         const uint32_t at = p->index + i, v = l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->index)[at])
                                                                    : smr_le32(((const uint32_t *)l->index)[at]);
-        const uint32_t *const r = s->record + SMR_WORDS * (size_t)v;
+        const uint32_t *const r = s->record + SMR_WORDS * (size_t)smr_index(v, l->n);
         for (uint32_t k = 0; smr_active(s->schedule, v) && k < s->words; k++)
             sum[k] += i < entry.n_plus ? r[k] : 0u - r[k];
     }
@@ -188,15 +193,17 @@ void smr_sums_forest(void *arg, uint32_t block, uint32_t worker)
 {
     smr_sums *s = arg;
     smr_worker *w = &s->shared->worker[worker];
-    const smr_stored_block *b = &s->schedule->lists.block[block];
-    const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first), first = smr_le32(b->first_index);
-    piece p = {block, w->at, 0, first + w->index};
+    const smr_lists *l = &s->schedule->lists;
+    const smr_stored_block *b = &l->block[block];
+    const uint32_t begin = smr_min_u32(smr_le32(b[0].first), l->n), end = smr_min_u32(smr_le32(b[1].first), l->n);
+    const uint32_t length = end > begin ? end - begin : 0u, first = smr_min_u32(smr_le32(b->first_index), l->n_indexes);
+    piece p = {begin, w->at, 0, smr_min_u32(first + w->index, l->n_indexes)};
     while (p.from < length) {
         p.to = w->within > 0u ? p.from : entries_for(s, &p, length, &w->pause);
         if (p.to > p.from) {
             p.index = chain(s, p);
             p.from = p.to;
-        } else if (w->pause.left >= SMR_WORK_SOME && work_at(s, block, p.from) > SMR_WORK_MOST / 2u) {
+        } else if (w->pause.left >= SMR_WORK_SOME && work_at(s, &p, p.from) > SMR_WORK_MOST / 2u) {
             add_some(s, &p, w);
         } else {
             w->index = p.index - first;

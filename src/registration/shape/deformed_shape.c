@@ -2,6 +2,7 @@
  * attraction and contact; the rest pose, fitted when a registration or its last radius starts.
  * Bounds: one pass over vertices and triangles.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "registration/shape/deformed_shape.h"
 
 #define SMR_LEAVES 32u /* number of tree leaves in a task */
@@ -33,6 +34,8 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
 }
 
+const uint32_t *smr_model_triangle(const smr_shared *c, uint32_t k) { return smr_triangle_at(c->triangle, k, c->n); }
+
 void smr_shape_start(smr_shape *shape)
 {
     const smr_shared *c = shape->shared;
@@ -46,13 +49,14 @@ void smr_shape_start(smr_shape *shape)
         one->first_leaf = leaf;
         smr_tree_shape(&one->tree, smr_le32(r->n_triangles));
         one->tree.triangle = c->triangle + 3u * (size_t)one->first_triangle;
+        one->tree.n_vertices = c->n;
         one->tree.normal = shape->triangle_normal + 3u * (size_t)one->first_triangle;
         one->tree.node = shape->node == NULL ? NULL : shape->node + node;
         leaf += smr_tree_leaves(&one->tree);
         node += smr_tree_nodes(one->tree.n_triangles);
     }
-    for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
-        shape->on_surface[c->triangle[i]] = 1;
+    for (uint32_t i = 0; i < 3u * c->n_triangles; i++)
+        shape->on_surface[smr_index(c->triangle[i], c->n)] = 1;
 }
 
 uint32_t smr_triangles_tasks(const void *arg)

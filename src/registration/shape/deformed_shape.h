@@ -65,6 +65,8 @@ typedef struct smr_shape {
     float *from;
 } smr_shape;
 
+/* returns the three stored vertices of a triangle of the model, as smr_triangle_at() */
+const uint32_t *smr_model_triangle(const smr_shared *c, uint32_t k);
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees and their places in the arrays */
 

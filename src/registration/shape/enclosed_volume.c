@@ -57,7 +57,7 @@ static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec a
 {
     float sum = 0.0f;
     for (uint32_t k = from; k < to; k++) {
-        const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(shape->shared, k);
         const smr_vec a = smr_sub(place(shape, x, t[0]), apex), b = smr_sub(place(shape, x, t[1]), apex);
         sum += SMR_SIXTH * smr_dot(a, smr_cross(b, smr_sub(place(shape, x, t[2]), apex)));
     }
@@ -81,7 +81,7 @@ int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, floa
     const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
     float area = 0.0f;
     for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = smr_model_triangle(shape->shared, k);
         area += 0.5f * smr_length(smr_triangle_cross(smr_rest(shape->shared, t[0]), smr_rest(shape->shared, t[1]),
                                                      smr_rest(shape->shared, t[2])));
     }

@@ -108,15 +108,20 @@ void smr_surface_goals_commit(smr_surface_goals *g)
     memcpy(g->warm, g->warm_next, g->schedule->n_active * sizeof *g->warm);
 }
 
-int smr_targets_valid(const smr_surface_goals *g)
+smr_status smr_targets_valid(const smr_surface_goals *g)
 {
+    smr_status status = SMR_OK;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         const smr_target *t = &g->target[i];
-        if (t->surface != NULL && (!smr_surface_valid(t->surface) || t->surface->n_vertices != t->n_vertices ||
-                                   t->surface->changes != t->changes))
-            return 0;
+        if (t->surface == NULL)
+            continue;
+        if (!smr_surface_valid(t->surface) || t->surface->n_vertices != t->n_vertices ||
+            t->surface->changes != t->changes)
+            return SMR_E_STATE;
+        if (smr_surface_guard(t->surface) != t->guard)
+            status = SMR_E_DAMAGED;
     }
-    return 1;
+    return status;
 }
 
 /* Returns what the last search for v, at the positions before, makes known at p, v's present position. */
@@ -189,7 +194,7 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
 /* Returns the displacement of vertex v to the closest point of a target triangle, mm. */
 static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
 {
-    const uint32_t *const t = target->triangle + 3u * (size_t)triangle;
+    const uint32_t *const t = smr_triangle_of(target->triangle, triangle, target->n_vertices);
     const smr_vec p = from_target(g, v, target), a = smr_get3(target->xyz, t[0]), b = smr_get3(target->xyz, t[1]);
     float w[3];
     (void)smr_triangle_closest(p, a, b, smr_get3(target->xyz, t[2]), w);

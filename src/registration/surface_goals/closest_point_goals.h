@@ -21,6 +21,7 @@ typedef struct smr_target {
     uint32_t had_target;          /* 1: the structure had a target when the current iteration began */
     uint32_t measured;            /* 1: forces were completed since the target was set or removed */
     uint32_t n_vertices, changes; /* number of vertices, and change counter, of the surface when the target was set */
+    uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
@@ -95,8 +96,9 @@ void smr_surface_goals_commit(smr_surface_goals *g); /* stores the results of co
 void smr_pulls_clear(smr_surface_goals *g);          /* sets all pulls of target vertices to 0 */
 void smr_certainties_clear(smr_surface_goals *g);    /* discards what searches know of other triangles */
 void smr_certainties_age(smr_surface_goals *g, float moved); /* adds the largest displacement of an iteration, mm */
-void smr_target_warm_clear(smr_surface_goals *g);  /* discards the closest model triangles of target vertices */
-int smr_targets_valid(const smr_surface_goals *g); /* 1: no target surface has changed since it was set */
+void smr_target_warm_clear(smr_surface_goals *g); /* discards the closest model triangles of target vertices */
+/* Checks that no target has changed since it was set. Errors: E_STATE; E_DAMAGED (a fault in a header). */
+smr_status smr_targets_valid(const smr_surface_goals *g);
 
 /* Returns the unit of smr_surface_goals.other, mm: 16 mean edges fit. */
 static inline float smr_other_unit(const smr_surface_goals *g)

@@ -115,7 +115,7 @@ static void add_area(const smr_surface_goals *g, smr_goal *goal, uint32_t first,
         if (g->target[i].surface != goal->surface)
             continue;
         for (uint32_t k = smr_max_u32(first, one->first_triangle); k < end; k++)
-            goal->model_area += 0.5f * smr_length(smr_corners_cross(g->shape->x, g->shared->triangle + 3u * (size_t)k));
+            goal->model_area += 0.5f * smr_length(smr_corners_cross(g->shape->x, smr_model_triangle(g->shared, k)));
     }
 }
 

@@ -5,6 +5,7 @@
  * nothing. Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
  * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
 /* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL fully. */
@@ -75,9 +76,10 @@ static int closest_structure(const smr_surface_goals *g, const smr_surface *surf
 static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one, smr_vec y, const smr_near *near,
                      float area, int64_t *pull)
 {
+    const uint32_t *const t = smr_triangle_at(one->tree.triangle, near->triangle, one->tree.n_vertices);
     const smr_vec r = smr_beyond_noise(g, smr_sub(y, smr_triangle_point(&one->tree, near->triangle, near->weight)));
     for (uint32_t c = 0; c < 3u; c++) {
-        int64_t *to = pull + 4u * (size_t)one->tree.triangle[3u * (size_t)near->triangle + c];
+        int64_t *to = pull + 4u * (size_t)t[c];
         const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
         to[0] += (int64_t)(w * r.x);
         to[1] += (int64_t)(w * r.y);

@@ -130,11 +130,10 @@ void smr_schedule_begin(smr *s)
 
 smr_status smr_set_active(smr *s, uint32_t n_active)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
+    SMR_TRY(smr_sound(s));
     if (!smr_ready(s))
         return SMR_E_STATE;
     s->schedule.n_active_chosen = smr_min_u32(n_active, s->shared.n);
-    smr_log_note(&s->log, SMR_LOG_ACTIVE, n_active, NULL, 0);
+    smr_changed(s, SMR_LOG_ACTIVE, n_active, NULL, 0);
     return SMR_OK;
 }

@@ -289,23 +289,30 @@ static void log_force_output(smr *s)
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
 {
     uint64_t phase_ns[SMR_PHASES] = {0};
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_inputs_valid(&s->forces))
+    SMR_TRY(smr_sound(s));
+    if (!smr_ready(s) || s->refused || s->forces.caller.broken)
         return SMR_E_STATE;
+    SMR_TRY(smr_inputs_valid(&s->forces));
+    if (s->scrub.calls != NULL)
+        SMR_TRY(s->scrub.calls->slice(s, budget_ns));
     const uint32_t before = s->schedule.iteration;
     s->ticking = 1;
+    if (!smr_idle(&s->schedule))
+        smr_scrub_again(s);
     watch w = begin(s, budget_ns);
     const smr_status status = run_iteration(s, &w, phase_ns);
     s->ticking = 0;
-    if (status == SMR_E_STATE)
+    if (status < 0) {
+        smr_guard_close(s);
         return status;
+    }
     fill_report(s, before, phase_ns);
     if (status == SMR_OK)
         log_force_output(s);
     const smr_log_of_tick tick = {&s->report, status == SMR_OK,
                                   status == SMR_OK ? s->report.details.n_taken : smr_forces_evaluated(s)};
     smr_log_note(&s->log, SMR_LOG_TICK, 0, &tick, 0);
+    smr_guard_close(s);
     if (report != NULL)
         *report = report_of(s);
     return status;

@@ -1,0 +1,218 @@
+/* set_scrub.c: checks of borrowed inputs by checksum, a slice in each tick, and of the whole arena between calls.
+ * Bounds: SMR_SLICE_VERTEX bytes a vertex in a tick, one pass over an input when it is set; with SMR_SCRUB_STATE one
+ * pass over the arena when a call begins, and one when it ends.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/setup.h"
+
+#define SMR_SLICE 4096u      /* bytes between two readings of the clock */
+#define SMR_SLICE_VERTEX 64u /* bytes for each vertex of the model that a tick checks */
+#define SMR_SLICE_SHARE 32u  /* budget of a tick / time of its slice */
+
+/* Memory that must not change while it is in use. */
+typedef struct input {
+    const unsigned char *at; /* NULL: no such input */
+    size_t bytes;
+    uint32_t *sum; /* the memory's checksum when the input was set */
+} input;
+
+enum { INPUT_MODEL = 0, INPUT_VOXELS, INPUT_MASK, INPUT_TARGETS };
+
+static uint32_t n_inputs(const smr *s)
+{
+    const uint32_t n_fixed = s->forces.contact.fixed != NULL ? s->shared.config.contact.n_fixed : 0u;
+    return INPUT_TARGETS + s->forces.surface.n_goals + n_fixed;
+}
+
+static input image_of(smr *s, int mask)
+{
+    const smr_volume *v = &s->forces.image.grid.volume;
+    const size_t n = (size_t)v->size[0] * v->size[1] * v->size[2];
+    const size_t bytes = v->type <= SMR_VOXEL_INT8 ? 1u : v->type <= SMR_VOXEL_INT16 ? 2u : 4u;
+    if (!smr_image_on(&s->forces.image))
+        return (input){NULL, 0, NULL};
+    return mask ? (input){v->mask, n, &s->scrub.mask} : (input){v->voxels, n * bytes, &s->scrub.voxels};
+}
+
+/* Returns the memory of a surface, or of the points to which a cloud belongs. */
+static input surface_of(const smr_surface *surface, uint32_t *sum)
+{
+    input i = {(const unsigned char *)surface, 0, sum};
+    if (surface == NULL)
+        return i;
+    if (smr_is_points(surface)) {
+        i.at -= offsetof(smr_points, surface);
+        (void)smr_points_bytes(surface->capacity, &i.bytes);
+    } else {
+        (void)smr_surface_bytes(surface->n_vertices, surface->tree.n_triangles, &i.bytes);
+    }
+    return i;
+}
+
+static input input_of(smr *s, uint32_t number)
+{
+    smr_surface_goals *g = &s->forces.surface;
+    if (number == INPUT_MODEL)
+        return (input){(const unsigned char *)s->shared.model, smr_le32(s->shared.model->bytes), &s->scrub.model};
+    if (number < INPUT_TARGETS)
+        return image_of(s, number == INPUT_MASK);
+    number -= INPUT_TARGETS;
+    if (number < g->n_goals)
+        return surface_of(g->goal[number].surface, &g->target[g->goal[number].structure].body);
+    smr_fixed_surface *fixed = &s->forces.contact.fixed[number - g->n_goals];
+    return surface_of(fixed->surface, &fixed->body);
+}
+
+/* Adds the next slice of an input to *sum. Returns the number of bytes done. */
+static size_t add_slice(const input *i, size_t at, uint32_t *sum)
+{
+    const size_t left = i->at == NULL ? 0u : i->bytes - at, n = left < SMR_SLICE ? left : SMR_SLICE;
+    *sum = smr_byte_sum(*sum, i->at + (n > 0u ? at : 0u), n);
+    return at + n;
+}
+
+/* Stores the checksum of an input that was set. */
+static void learn_one(const input *i)
+{
+    uint32_t sum = 0;
+    for (size_t at = 0; i->at != NULL && at < i->bytes;)
+        at = add_slice(i, at, &sum);
+    if (i->sum != NULL)
+        *i->sum = sum;
+}
+
+/* Stores the checksum of a structure's target, which other structures may share. */
+static void learn_target(smr_surface_goals *g, uint32_t structure, uint32_t first, uint32_t last)
+{
+    smr_target *const t = &g->target[structure];
+    for (uint32_t k = 0; k < g->shared->n_structures; k++) {
+        const smr_target *other = &g->target[k];
+        if (other->surface == t->surface && other->changes == t->changes && (k < first || k >= last || k < structure)) {
+            t->body = other->body;
+            return;
+        }
+    }
+    const input i = surface_of(t->surface, &t->body);
+    learn_one(&i);
+}
+
+static void learn(smr *s, uint32_t kind, uint32_t number)
+{
+    smr_surface_goals *g = &s->forces.surface;
+    const int targets = kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS;
+    const uint32_t first = number == SMR_ALL ? 0u : number,
+                   last = number == SMR_ALL ? s->shared.n_structures : first + 1u;
+    for (uint32_t i = first; targets && i < last; i++)
+        learn_target(g, i, first, last);
+    for (uint32_t mask = 0; kind == SMR_LOG_VOLUME && mask < 2u; mask++) {
+        const input i = image_of(s, mask != 0u);
+        learn_one(&i);
+    }
+    if (kind == SMR_LOG_FIXED_SURFACE) {
+        const input i = surface_of(s->forces.contact.fixed[number].surface, &s->forces.contact.fixed[number].body);
+        learn_one(&i);
+    }
+    s->scrub.input = 0;
+    s->scrub.at = 0;
+    s->scrub.sum = 0;
+    smr_scrub_again(s);
+}
+
+/* Returns 1 when the model's numbers of vertices, which positions are read by, fit each other. */
+static int numbers_fit(const smr_model *m)
+{
+    uint32_t wrong = 0;
+    for (uint32_t i = 0; i < smr_le32(m->n_vertices); i++)
+        wrong |= smr_model_original(m, smr_model_position(m, i)) ^ i;
+    return wrong == 0u;
+}
+
+/* Checks a slice. Returns 0 when the input has changed. */
+static int check_slice(smr *s)
+{
+    smr_scrubbing *c = &s->scrub;
+    const input i = input_of(s, c->input);
+    if (c->left == 0u || c->left == SMR_SCRUB_ALL) /* an input that is half checked does not count */
+        c->left = n_inputs(s) + (c->at > 0u);
+    c->at = add_slice(&i, c->at, &c->sum);
+    if (i.at != NULL && c->at < i.bytes)
+        return 1;
+    const int same = i.at == NULL || c->sum == *i.sum;
+    if (!same)
+        c->damaged = c->input != INPUT_MODEL || numbers_fit(s->shared.model) ? 1u : 2u;
+    c->sum = 0;
+    c->at = 0;
+    c->left--;
+    c->checked |= c->left == 0u;
+    c->input = c->input + 1u < n_inputs(s) ? c->input + 1u : 0u;
+    return same;
+}
+
+static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
+
+/* Checks `most` bytes, or as much as the time allows, but at least one slice. Errors: E_DAMAGED. */
+static smr_status check(smr *s, uint64_t most, uint64_t ns)
+{
+    const uint64_t begin = now(s);
+    uint64_t done = 0;
+    int sound;
+    do {
+        sound = check_slice(s);
+        done += SMR_SLICE;
+    } while (sound && s->scrub.left > 0u && done < most && (ns == 0u || now(s) - begin < ns));
+    if (!sound)
+        smr_guard_close(s); /* otherwise the call that checks does so when it ends */
+    return sound ? SMR_OK : SMR_E_DAMAGED;
+}
+
+static smr_status slice(smr *s, uint64_t budget_ns)
+{
+    if (!(s->scrub.what & SMR_SCRUB_INPUTS))
+        return SMR_OK;
+    return check(s, (uint64_t)SMR_SLICE_VERTEX * s->shared.n, budget_ns / SMR_SLICE_SHARE);
+}
+
+/* Returns the checksum of the arena behind the struct, without memory of sums that no iteration is using. */
+static uint32_t seal(const smr *s)
+{
+    const int free = s->step == 0u && s->next_task == 0u && s->n_awaited == 0u;
+    const unsigned char *from =
+        free ? (const unsigned char *)s->overlay.tally : (const unsigned char *)s->overlay.record;
+    const unsigned char *end = (const unsigned char *)s + s->arena_bytes;
+    return s->scrub.what & SMR_SCRUB_STATE ? smr_byte_sum(0, from, (size_t)(end - from)) : 0u;
+}
+
+static const smr_scrub_calls scrub_calls = {slice, learn, seal};
+
+smr_status smr_set_scrub(smr *s, uint32_t what)
+{
+    const uint32_t targets = SMR_LOG_SURFACE;
+    SMR_TRY(smr_settable(s, 1, smr_ready(s)));
+    SMR_TRY(smr_inputs_valid(&s->forces));
+    if (what > SMR_SCRUB_INPUTS + SMR_SCRUB_STATE)
+        return SMR_E_INPUT;
+    const smr_model *m = s->shared.model;
+    s->scrub = (smr_scrubbing){.calls = what != 0u ? &scrub_calls : NULL, .what = what};
+    if (what & SMR_SCRUB_INPUTS) {
+        if (smr_crc32(0, (const unsigned char *)m + SMR_MODEL_HEAD, smr_le32(m->bytes) - SMR_MODEL_HEAD) !=
+            smr_le32(m->checksum))
+            s->scrub.damaged = numbers_fit(m) ? 1u : 2u;
+        const input model = input_of(s, INPUT_MODEL);
+        learn_one(&model);
+        learn(s, targets, SMR_ALL);
+        learn(s, SMR_LOG_VOLUME, 0);
+        for (uint32_t i = 0; s->forces.contact.fixed != NULL && i < s->shared.config.contact.n_fixed; i++)
+            learn(s, SMR_LOG_FIXED_SURFACE, i);
+    }
+    smr_guard_close(s);
+    return s->scrub.damaged ? SMR_E_DAMAGED : SMR_OK;
+}
+
+smr_status smr_scrub(smr *s, uint64_t budget_ns)
+{
+    SMR_TRY(smr_settable(s, 1, smr_ready(s) && (s->scrub.what & SMR_SCRUB_INPUTS)));
+    SMR_TRY(smr_inputs_valid(&s->forces));
+    s->scrub.left = budget_ns == 0u ? SMR_SCRUB_ALL : s->scrub.left;
+    SMR_TRY(check(s, UINT64_MAX, budget_ns));
+    smr_guard_close(s);
+    return s->scrub.left == 0u ? SMR_OK : SMR_PARTIAL;
+}

@@ -1,0 +1,163 @@
+/* test_scrub.c: faults in memory are found: pointers and counts by each call, inputs and arena by smr_set_scrub().
+ * SPDX-License-Identifier: MIT */
+#include "suite.h"
+
+#include <string.h>
+
+#include "registration/registration.h"
+
+static const smr_model *model;
+static smr_surface *surface;
+static float *xyz;
+
+static smr *start(uint32_t what)
+{
+    static const float middle[3] = {0, 0, 0};
+    const smr_mesh ball = rig_ball(20, 9, 12, middle), goal = rig_ball(21, 10, 13, middle);
+    const smr_prepare_config radii = rig_radii(3, 25, 12, 3);
+    smr_config config = smr_config_default();
+    config.basic.n_target_vertices = goal.n_vertices;
+    config.basic.iterations_last = 4;
+    config.basic.iterations = 2;
+    model = rig_model(&ball, 1, &radii);
+    surface = rig_surface(&goal);
+    xyz = rig_alloc(3u * ball.n_vertices * sizeof *xyz);
+    smr *s = rig_init(model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_scrub(s, what));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    return s;
+}
+
+static void flip(const void *at, size_t byte)
+{
+    unsigned char *bytes = (unsigned char *)(uintptr_t)at; /* what the library may only read, too */
+    bytes[byte] ^= 4u;
+}
+
+/* A changed pointer or count stops all calls for good; positions stay readable unless they hang on it. */
+TEST(what_points_and_counts_is_guarded)
+{
+    float *then;
+    smr *s = start(0);
+    const struct {
+        const void *at;
+        int readable;
+    } of[] = {{&s->shared.model, 0},
+              {&s->shape.structure, 0},
+              {&s->shape.x, 0},
+              {&s->shape.structure[0], 0},
+              {&model->at_position, 0},
+              {&s->port.now_ns, 0},
+              {&s->forces.surface.target, 1},
+              {&s->folds.rings, 1},
+              {&s->forces.surface.target[0].surface, 1},
+              {&s->log.write, 1},
+              {&s->forces.surface.goal[0], 1}};
+    then = rig_positions(s, model);
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+        flip(of[i].at, 1);
+        assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_E_DAMAGED, smr_set_active(s, 5));
+        assert_int_equal(SMR_E_DAMAGED, smr_set_surface(s, 0, NULL));
+        assert_int_equal(of[i].readable ? SMR_OK : SMR_E_DAMAGED, smr_get_positions(s, 0, xyz));
+        if (of[i].readable)
+            assert_memory_equal(then, xyz, 3u * s->shared.n * sizeof *xyz);
+        flip(of[i].at, 1);
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
+    }
+    flip(&surface->triangle, 1); /* a target's header: found where targets are read */
+    assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
+    flip(&surface->triangle, 1);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+/* Each byte of each input is in the round, which finds a changed bit; the round is due again after each iteration. */
+TEST(a_round_finds_what_has_changed)
+{
+    smr *s = start(SMR_SCRUB_INPUTS);
+    const smr_vec at = smr_get3(surface->xyz, 3);
+    smr_verdict v;
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_true((v.reasons & SMR_REASON_UNCHECKED) && v.level != SMR_VERDICT_GOOD);
+    assert_int_equal(SMR_OK, smr_scrub(s, 0));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_int_equal(0, v.reasons & SMR_REASON_UNCHECKED);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_true(v.reasons & SMR_REASON_UNCHECKED);
+    const uint32_t bytes = smr_le32(model->bytes);
+    uint32_t n_readable = 0;
+    for (uint32_t i = 0; i < 40u; i++) {
+        const void *const part = i % 2u ? (const void *)model : (const void *)surface->normal;
+        const size_t byte = i % 2u ? sizeof *model + i * ((bytes - sizeof *model) / 40u) : 7u * i;
+        flip(part, byte);
+        assert_int_equal(SMR_E_DAMAGED, smr_scrub(s, 0));
+        assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
+        n_readable += smr_get_positions(s, 0, xyz) == SMR_OK; /* unless it is a number of the model's vertices */
+        flip(part, byte);
+        s->scrub.damaged = 0;
+        smr_guard_close(s);
+        assert_int_equal(SMR_OK, smr_scrub(s, 0));
+    }
+    assert_true(n_readable >= 30u && n_readable < 40u);
+    assert_true(smr_length(smr_sub(at, smr_get3(surface->xyz, 3))) < 1.0e-6f);
+    flip(model, sizeof *model + 77u); /* found while ticks go on, too */
+    smr_status status = SMR_OK;
+    for (uint32_t i = 0; status == SMR_OK && i < 200u; i++)
+        status = smr_tick(s, 0, NULL);
+    assert_int_equal(SMR_E_DAMAGED, status);
+}
+
+/* The whole arena is checked by each call; scratch memory of sums does not count, and results do not change. */
+TEST(a_seal_finds_what_has_changed)
+{
+    smr *s = start(SMR_SCRUB_STATE), *plain = start(0);
+    flip(s->shape.x_ref, 10);
+    assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_DAMAGED, smr_get_positions(s, 0, xyz));
+    flip(s->shape.x_ref, 10);
+    flip(s->overlay.record, 10);
+    assert_int_equal(SMR_OK, smr_set_active(s, 0));
+    for (uint32_t i = 0; i < 30u; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_OK, smr_tick(plain, 0, NULL));
+        assert_true(smr_state_hash(s) == smr_state_hash(plain));
+    }
+    const smr_pose turned = {{{0, -1, 0, 3}, {1, 0, 0, 0}, {0, 0, 1, 0}}};
+    assert_int_equal(SMR_OK, smr_set_pose(s, &turned));
+    assert_int_equal(SMR_E_STATE, smr_scrub(s, 0)); /* no round is wanted */
+    assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_INPUTS + SMR_SCRUB_STATE));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_set_scrub(s, 4));
+    assert_int_equal(SMR_E_NULL, smr_set_scrub(NULL, 0));
+    assert_int_equal(SMR_OK, smr_set_scrub(s, 0));
+    flip(s->shape.x_ref, 10);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+/* A model that has changed since it was opened is refused. */
+TEST(the_model_must_be_whole)
+{
+    smr *s = start(0);
+    flip(model, sizeof *model + 100u);
+    assert_int_equal(SMR_E_DAMAGED, smr_set_scrub(s, SMR_SCRUB_INPUTS));
+    flip(model, sizeof *model + 100u);
+    assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
+}
+
+/* A call with a budget stops early and goes on; ticks take slices under a clock, too. */
+TEST(slices_fit_budgets)
+{
+    rig_clock clock;
+    smr *s = start(SMR_SCRUB_INPUTS);
+    uint32_t calls = 1;
+    s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr_guard_close(s);
+    for (; smr_scrub(s, 1500) == SMR_PARTIAL && calls < 1000u; calls++) {
+    }
+    assert_true(calls > 3u && calls < 1000u && s->scrub.checked);
+    assert_true(smr_tick(s, 100000, NULL) >= SMR_OK);
+    assert_int_equal(0, s->scrub.checked);
+}
