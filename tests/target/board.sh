@@ -6,7 +6,7 @@
 # board_build PROGRAM      prints the program's file; flags for the compiler may follow
 # board_run SHIFT FILE     runs it: an instruction takes 2^SHIFT nanoseconds of the board's time; words for it may follow
 
-boards='m3 m4 m7 m33 m55'
+boards='m3 m4 m7 m33 m55 a53 rv32 rv64'
 board_set() {
     board_tools=arm-none-eabi
     sections='-ffunction-sections -fdata-sections'
@@ -22,9 +22,17 @@ board_set() {
         board_cflags="-mthumb -mcpu=cortex-m33 -mfpu=fpv5-sp-d16 -mfloat-abi=hard $sections" ;;
     m55) board_name=Cortex-M55; board_machine=mps3-an547
         board_cflags=${M55_CFLAGS:--mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard $sections} ;;
+    a53) board_name=Cortex-A53; board_machine="$virt -cpu cortex-a53"; board_tools=aarch64-linux-gnu
+        board_cflags="-mcpu=cortex-a53 -mstrict-align -mno-outline-atomics -static -fno-pie -no-pie $sections"
+        board_cflags="$board_cflags -fno-asynchronous-unwind-tables -fno-stack-protector -Wl,--build-id=none" ;;
+    rv32) board_name=RV32; board_machine="$virt -cpu rv32 -bios none"; board_tools=riscv64-unknown-elf
+        board_cflags="-march=rv32imafc -mabi=ilp32f -mcmodel=medany --specs=picolibc.specs $sections" ;;
+    rv64) board_name=RV64; board_machine="$virt -cpu rv64 -bios none"; board_tools=riscv64-unknown-elf
+        board_cflags="-march=rv64imafdc -mabi=lp64d -mcmodel=medany --specs=picolibc.specs $sections" ;;
     *) echo "no such board: $1"; exit 1 ;;
     esac
-    board_emulator=qemu-system-arm
+    case $1 in m*) board_emulator=qemu-system-arm ;; a53) board_emulator=qemu-system-aarch64 ;;
+    *) board_emulator=qemu-system-riscv${1#rv} ;; esac
     board=$1
 }
 
@@ -44,10 +52,20 @@ board_need() {
     unset CFLAGS LDFLAGS
 }
 
+# A bone's model as C, which the board has in flash.
+board_flash() {
+    host=${BUILD:-build}
+    mkdir -p "$host/flash" "$board_dir/flash" || return 1
+    "$host/fixture_write" "$host/flash" 1 12 &&
+        "${SMR:-$host/smr}" build --model "$host/flash/source.ply" --radius 90,45 --quiet \
+            -o "$board_dir/flash/bone_model.c" --c-array bone_model
+}
+
 board_build() {
     board_program=$1; shift
     board_dir=${BUILD:-build}/$board-board
     mkdir -p "$board_dir" || return 1
+    [ "$board_program" != target_flash ] || board_flash >&2 || return 1
     set -- ${MAKE:-make} -s BUILD="$board_dir" CC="$board_tools-gcc" AR="$board_tools-ar" \
         CFLAGS="$board_cflags -O2 -DSMR_BAREMETAL $*" "$board_dir/${board_program}_$board.elf"
     if command -v flock >/dev/null; then flock "$board_dir/lock" "$@" >&2 || return 1 # other scripts build here, too
