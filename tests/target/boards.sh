@@ -9,6 +9,7 @@ set -u
 tmp=$(mktemp -d) || exit 1
 trap 'rm -rf "$tmp"' EXIT
 unset CFLAGS LDFLAGS
+export SMR_BOARD_SECONDS="${SMR_BOARD_SECONDS:-3000}" # without an FPU the golden run takes six minutes
 bad=0 state=
 value() { sed -n "s/^$1 //p" "$tmp/flash"; }
 echo '| board | golden bits | flash | RAM | stack | instructions a tick, mean | largest |'
