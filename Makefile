@@ -113,7 +113,7 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT
 # ---------------------------------------------------------------- the first target, and the list of all
 
 .PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure1 figure2 soak size \
-        faults stack hashes settings-page golden-update timing timing-update shared amalgamation install install-core \
+        faults stack hashes settings-page golden-update boards timing timing-update shared amalgamation install install-core \
         install-shared clean
 .DELETE_ON_ERROR:
 
@@ -145,6 +145,7 @@ help:
 	@echo 'make golden-update   records the current state hash as the expected one'
 	@echo 'make api-update      records functions, layouts and values of the public headers as the expected ones'
 	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed'
+	@echo 'make boards          golden bits, flash, RAM, stack and instructions on eight emulated boards; minutes'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
 	@echo 'make timing-update   records that table in tests/timing/results'
@@ -296,25 +297,39 @@ $(CASE_TOOL): $(call obj,$(CASE_SRC)) $(HOST_LIB) $(SUPPORT_LIB) $(PTHREAD_LIB) 
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-# Programs for the emulated boards, NAME_m7.elf and NAME_m55.elf, built with
-# CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...". A board is a linker script and a clock.
-BAREMETAL_OBJ := $(call obj,$(filter-out port/baremetal/smr_clock_%,$(BAREMETAL_SRC)) $(FIXTURE_SRC))
+# Programs for the emulated boards, NAME_BOARD.elf, built with the flags of tests/target/board.sh. A board is a linker script,
+# a clock, and a kind of core, which has a start-up. target_flash has the model that check_boards.sh writes as C.
+BOARDS   := m3 m4 m7 m33 m55 a53 rv32 rv64
+parts_m3 := mps2_an386 port/baremetal/smr_clock_mps2.c port/baremetal/smr_start_m.c port/baremetal/smr_systick.c
+parts_m4 := $(parts_m3)
+parts_m7  := mps2_an500 $(wordlist 2,4,$(parts_m3))
+parts_m33 := mps2_an505 $(wordlist 2,4,$(parts_m3))
+parts_m55 := mps3_an547 port/baremetal/smr_clock_mps3.c $(wordlist 3,4,$(parts_m3))
+parts_a53 := virt_a64 tests/target/virt_clock.c tests/target/virt_start_a64.c tests/target/virt_memory.c
+parts_rv32 := virt_rv tests/target/virt_clock.c tests/target/virt_start_rv.c
+parts_rv64 := $(parts_rv32)
+BAREMETAL_OBJ := $(call obj,$(addprefix port/baremetal/,smr_baremetal.c smr_semihost.c smr_start.c) $(FIXTURE_SRC))
 TARGET_RIG_OBJ := $(call obj,$(filter tests/target/target_rig%,$(TARGET_SRC)))
 TARGETS := $(patsubst tests/target/%.c,%,$(filter-out tests/target/target_rig%,$(TARGET_SRC)))
-link_board = $(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -L port/baremetal -T $(1) -o $@ $(filter %.o,$^) \
-             $(CORE_LIB) -lm -lc -lgcc
-$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(GOLDEN_OBJ)
-$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ)
-$(foreach t,$(TARGETS),\
-    $(eval $(BUILD)/$(t)_m7.elf $(BUILD)/$(t)_m55.elf: $(call obj,tests/target/$(t).c) $(TARGET_RIG_OBJ)))
-$(BUILD)/%_m7.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps2.c) $(CORE_LIB) \
-                   port/baremetal/mps2_an500.ld port/baremetal/smr_sections.ld
-	$(call begin,LINK,$@)
-	$(Q)$(call link_board,mps2_an500.ld)
-$(BUILD)/%_m55.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps3.c) $(CORE_LIB) \
-                   port/baremetal/mps3_an547.ld port/baremetal/smr_sections.ld
-	$(call begin,LINK,$@)
-	$(Q)$(call link_board,mps3_an547.ld)
+.SECONDARY: $(call obj,$(BAREMETAL_SRC) $(FIXTURE_SRC) $(wildcard tests/target/*.c)) # kept, for the next program
+board_elf = $(foreach b,$(BOARDS),$(BUILD)/$(1)_$(b).elf)
+FLASH_OBJ := $(BUILD)/obj/tests/target/bone_model.o
+$(FLASH_OBJ): $(BUILD)/flash/bone_model.c
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -c $< -o $@
+$(BUILD)/obj/tests/target/target_flash.o: private override ALL_CFLAGS += -I$(BUILD)/flash
+$(call board_elf,golden): $(GOLDEN_OBJ)
+$(call board_elf,replay_run): $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ)
+$(call board_elf,target_flash): $(FLASH_OBJ)
+$(foreach t,$(TARGETS),$(eval $(call board_elf,$(t)): $(call obj,tests/target/$(t).c) $(TARGET_RIG_OBJ)))
+define board_rule
+$(BUILD)/%_$(1).elf: $$(BAREMETAL_OBJ) $$(call obj,$(wordlist 2,4,$(parts_$(1)))) $$(CORE_LIB) \
+                   $$(wildcard port/baremetal/*.ld tests/target/*.ld)
+	$$(call begin,LINK,$$@)
+	$$(Q)$$(CC) $$(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -L port/baremetal -L tests/target \
+	    -T $(word 1,$(parts_$(1))).ld -o $$@ $$(filter %.o,$$^) $$(CORE_LIB) -lm -lc -lgcc
+endef
+$(foreach b,$(BOARDS),$(eval $(call board_rule,$(b))))
 
 # ---------------------------------------------------------------- what people call
 
@@ -437,6 +452,9 @@ api-update:
 golden-update: $(BUILD)/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
+
+boards: $(BUILD)/fixture_write $(PROGRAM)
+	@BUILD="$(BUILD)" sh tests/target/boards.sh
 
 timing:
 	@for board in m7 m55; do for program in target_budget target_interrupt; do \

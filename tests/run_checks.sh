@@ -105,12 +105,13 @@ work() {
     done
 }
 
-# The M7 has the golden run, budgets and tracking. SMR_FULL=1: its interrupt, the M55, the table of instructions, all ways
-# to link. 250 ticks are for all cases of target_budget, which the M7 has.
+# The M7 has the golden run, budgets and tracking. SMR_FULL=1: its interrupt, the M55, the A53, the table of instructions, all
+# ways to link; `make boards` has the others. 250 ticks are for all cases of target_budget, which the M7 has.
 items='m7:golden m7:target_budget m7:target_track'
 boards='' without=tests/check_link.sh ticks=200
 if [ "${SMR_FULL:-0}" = 1 ]; then
     items="$items m7:target_interrupt m7:target_jobs m55:golden m55:target_budget m55:target_interrupt m55:target_track"
+    items="$items a53:target_flash"
     boards=tests/target/check_timing.sh without=none ticks=250
 fi
 for item in $items; do boards="$boards tests/target/check_boards.sh:$item:$(case $item in m55*) echo 200 ;; *) echo $ticks ;; esac)"; done

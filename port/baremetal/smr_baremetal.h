@@ -1,4 +1,4 @@
-/* smr_baremetal.h: the port for one Cortex-M core without an operating system, shown on the MPS2 and MPS3 boards.
+/* smr_baremetal.h: the port for one core without an operating system, shown on emulated boards.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BAREMETAL_H
 #define SMR_BAREMETAL_H

@@ -1,7 +1,7 @@
 /* smr_clock.h: the board's free-running counter.
  *
- * A board has one file with these functions, about ten lines: smr_clock_mps2.c and smr_clock_mps3.c are examples, and
- * exactly one is linked. On a chip with a cycle counter, read that (DWT CYCCNT; the emulator has none).
+ * A board has one file with these functions, about ten lines: smr_clock_*.c are examples, and exactly one is linked. On
+ * a chip with a cycle counter, read that (DWT CYCCNT; the emulator has none).
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLOCK_H
 #define SMR_CLOCK_H
@@ -17,7 +17,7 @@ uint32_t smr_clock_count(void);
 /* Nanoseconds in this number of its steps, rounded down. */
 uint64_t smr_clock_ns(uint64_t steps);
 
-/* Hz of the core's own clock, which smr_systick.h counts. */
+/* Hz of the core's own clock, which smr_systick.h counts (Cortex-M). */
 uint32_t smr_clock_core_hz(void);
 
 #endif

@@ -1,9 +1,14 @@
-/* smr_clock_mps2.c: CMSDK APB timer 0 of the MPS2 boards, 32 bits at 25 MHz.
+/* smr_clock_mps2.c: CMSDK APB timer 0 of the MPS2 boards, 32 bits at 25 MHz, with the Cortex-M33 at 20 MHz.
  * SPDX-License-Identifier: MIT */
 #include "smr_clock.h"
 
+#ifdef __ARM_FEATURE_CMSE /* AN505, in secure state */
+#define SMR_CLOCK_TIMER 0x50000000u
+#define SMR_CLOCK_NS 50u
+#else
 #define SMR_CLOCK_TIMER 0x40000000u
-#define SMR_CLOCK_NS 40u /* 25 MHz */
+#define SMR_CLOCK_NS 40u
+#endif
 
 /* The timer's registers, in the order of its manual. */
 typedef struct smr_clock_timer {
@@ -26,6 +31,6 @@ void smr_clock_start(void)
 
 uint32_t smr_clock_count(void) { return ~smr_clock_registers()->value; }
 
-uint32_t smr_clock_core_hz(void) { return 25000000u; }
+uint32_t smr_clock_core_hz(void) { return 1000000000u / SMR_CLOCK_NS; }
 
 uint64_t smr_clock_ns(uint64_t steps) { return steps * SMR_CLOCK_NS; }

@@ -1,9 +1,10 @@
-/* smr_semihost.h: text and exit status from a Cortex-M to the debugger or emulator.
+/* smr_semihost.h: text and exit status from a board to the debugger or emulator.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SEMIHOST_H
 #define SMR_SEMIHOST_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* Writes a NUL-terminated text to the host's console. */
 void smr_semihost_write(const char *text);
@@ -11,9 +12,8 @@ void smr_semihost_write(const char *text);
 /* Reads a file of the host's into to[bytes]; returns how many bytes there were, 0 when there is none. For tests. */
 size_t smr_semihost_read_file(const char *name, void *to, size_t bytes);
 
-/* The words after the program's name on the emulator's command line (arg=NAME,arg=WORD,...), as one text in buffer
- * [size]; empty when there are none. */
-void smr_semihost_words(char *buffer, int size);
+/* Any of the debugger's operations by its number, with its block of arguments. */
+uintptr_t smr_semihost_call(uintptr_t operation, const void *argument);
 
 /* Ends the emulation with this exit status. Does not return. */
 void smr_semihost_exit(int status);

@@ -82,11 +82,12 @@ check "info names vertices and indexes per cluster" grep -q "indexes per cluster
 check "info of surfaces" has_status 0 "$SMR" info bone.ply target.ply --radius 30
 check "--c-array beside the image" has_status 0 "$SMR" build --model bone_binary.ply -o carray.smr --c-array bone_model
 check "the same image" cmp carray.smr bone.smr
-printf '#include <stdio.h>\n#include <stddef.h>\nextern const unsigned char bone_model[];\nextern const size_t bone_model_bytes;\nint main(void) { return fwrite(bone_model, 1, bone_model_bytes, stdout) != bone_model_bytes; }\n' >dump.c
+printf '#include <stdio.h>\n#include "carray.h"\nint main(void) { return fwrite(bone_model, 1, sizeof bone_model, stdout) != bone_model_bytes; }\n' >dump.c
 check "the C array compiles" "$CC" -std=c11 -Wall -Wextra -Werror dump.c carray.c -o dump
 check "and holds the image" sh -c "./dump | cmp - bone.smr"
 check "--c-array alone" has_status 0 "$SMR" build --model bone_binary.ply -o alone.c --c-array bone_model
-check "gives the same source" cmp alone.c carray.c
+check "gives the same source and sizes" sh -c 'cmp alone.c carray.c && cmp alone.h carray.h'
+check "which are the model's" grep -q "define bone_model_VERTICES $(grep -a '^element vertex' bone_binary.ply | tr -cd 0-9)u" alone.h
 check "a name that is no identifier" has_status 2 "$SMR" build --model bone_binary.ply -o x.c --c-array 7up
 check "a name that is C's own" has_status 2 "$SMR" build --model bone_binary.ply -o x.c --c-array while
 check "C source without a name" has_status 2 "$SMR" build --model bone_binary.ply -o x.c

@@ -4,18 +4,27 @@
 # usage: check_boards.sh [BOARD [PROGRAM [TICKS]]]
 # golden: this machine's bits, and the core calls nothing foreign there either. target_budget: ticks with random budgets, TICKS of
 # them in ten cases. target_interrupt: a registration in a timer's interrupt; on the M7 two runs are the same. target_track: a
-# target that moves, its surfaces and ticks within budgets. target_jobs: the longest pieces of calls in pieces.
+# target that moves, its surfaces and ticks within budgets. target_jobs: the longest pieces of calls in pieces. target_flash, for any
+# board: a model in flash, the state that the M7 has, and a clock of whole milliseconds.
 set -u
 . tests/checks.inc
 . tests/target/board.sh
-board_need
+board_need "${1:-m7}"
 run() { # board, program, ticks
     board_set "$1"
     file=$(board_build "$2") || { not_ok "$board_name: $2 is built"; return; }
     case $2 in
     golden)
         same "$board_name: the golden hash" "$(board_run 6 "$file")" "$(cat tests/golden/expected.txt)"
-        check "$board_name: symbols" sh tests/check_symbols.sh "${file%/*}/libsmr.a" arm-none-eabi- ;;
+        emulation= # the linker's default is another one
+        [ "$1" != rv32 ] || emulation=LDEMULATION=elf32lriscv
+        # shellcheck disable=SC2086
+        check "$board_name: symbols" env $emulation sh tests/check_symbols.sh "${file%/*}/libsmr.a" "$board_tools-" ;;
+    target_flash)
+        check "$board_name: a model in flash, a coarse clock" board_run 0 "$file"
+        state=$(grep '^state' "$tmp/check.log")
+        board_set m7
+        file=$(board_build "$2") && same 'the same state on the Cortex-M7' "$(board_run 0 "$file" | grep '^state')" "$state" ;;
     target_budget) check "$board_name: $3 ticks with budgets" board_run 0 "$file" $(($3 / 10)) ;;
     *)  check "$board_name: $2" board_run 0 "$file"
         cat "$tmp/check.log"

@@ -43,10 +43,16 @@ int target_ok(const char *what, int good)
 
 uint32_t target_word(uint32_t otherwise)
 {
-    char text[64];
-    uint32_t value = 0;
-    smr_semihost_words(text, sizeof text);
-    for (uint32_t i = 0; text[i] >= '0' && text[i] <= '9'; i++)
+    char text[64] = {0};
+    const uintptr_t block[2] = {(uintptr_t)text, sizeof text};
+    uint32_t value = 0, i = 0;
+    if (smr_semihost_call(0x15u, block) != 0u) /* SYS_GET_CMDLINE */
+        return otherwise;
+    while (text[i] != '\0' && text[i] != ' ')
+        i++; /* the program's name */
+    while (text[i] == ' ')
+        i++;
+    for (; text[i] >= '0' && text[i] <= '9'; i++)
         value = 10u * value + (uint32_t)(text[i] - '0');
     return value > 0u ? value : otherwise;
 }

@@ -53,25 +53,47 @@ static void put_c_array(const host_model *model, const char *name, host_buffer *
     host_buffer_print(out, "\n};\n");
 }
 
-/* "MODEL.smr" -> "MODEL.c". Owned by the caller. */
+/* For static storage on a device, where the bounds of smr.h take the numbers. */
+static void put_sizes(const host_model *model, const char *name, host_buffer *out)
+{
+    const smr_model_info *const info = &model->info;
+    host_buffer_print(out,
+                      "/* Sizes of the model %s, as SMR_ARENA_BYTES() takes them. */\n#ifndef %s_H\n#define %s_H\n\n"
+                      "#include <stddef.h>\n\n#define %s_VERTICES %uu\n#define %s_TRIANGLES %uu\n"
+                      "#define %s_STRUCTURES %uu\n#define %s_BYTES %zuu\n\n",
+                      name, name, name, name, info->n_vertices, name, info->n_triangles, name, info->n_structures, name,
+                      model->prepared_bytes);
+    host_buffer_print(out,
+                      "#ifdef __cplusplus\nextern \"C\" {\n#endif\nextern const unsigned char %s[%s_BYTES];\n"
+                      "extern const size_t %s_bytes;\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n",
+                      name, name, name);
+}
+
+/* "MODEL.smr" -> "MODEL.c"; a name of C source stays. Owned by the caller. */
 static char *beside(const char *path)
 {
     const size_t n = strlen(path);
     char *const text = malloc(n + 3u);
     const size_t stem = host_has_extension(path, ".smr") && n > 4 ? n - 4u : n;
     if (text != NULL)
-        (void)snprintf(text, n + 3u, "%.*s.c", (int)stem, path);
+        (void)snprintf(text, n + 3u, "%.*s%s", (int)stem, path, is_source(path) ? "" : ".c");
     return text;
 }
 
+/* The array, and a header of its sizes unless the array itself is to be in a header. */
 static int add_c_array(const host_model *model, const host_options *options, host_output *output, host_error *error)
 {
-    const int alone = is_source(options->out);
-    char *const path = alone ? NULL : beside(options->out);
-    host_buffer text = {0};
-    int result = alone || path != NULL ? 0 : host_fail(error, "output", "free memory");
+    char *const path = beside(options->out);
+    const int header = path != NULL && host_has_extension(path, ".h");
+    host_buffer text = {0}, sizes = {0};
+    int result = path != NULL ? 0 : host_fail(error, "output", "free memory");
     put_c_array(model, options->c_array, &text);
-    result = host_output_take(output, alone ? options->out : path, &text, result, error);
+    result = host_output_take(output, path, &text, result, error);
+    if (result == 0 && !header) {
+        path[strlen(path) - 1u] = 'h';
+        put_sizes(model, options->c_array, &sizes);
+        result = host_output_take(output, path, &sizes, result, error);
+    }
     /* The output set has its own copy of the name, but the error may still point to this one. */
     if (result != 0)
         error->file = options->out;

@@ -82,7 +82,7 @@ static const struct {
      "a scene for 3D Slicer: results, targets, volumes, landmarks, and the field DIR/field.nrrd"},
     {"--times", 0, "", "columns of times in the table, too"},
     {"--truth", 0, "DIR|LABELS", "with an image: measure the result against DIR/NAME.ply, or a label map"},
-    {"--c-array", 0, "NAME", "also C source with the model as an array of this name, beside the model"},
+    {"--c-array", 0, "NAME", "also C source with the model as an array of this name, and a header of its sizes"},
     {"--source", 0, "FILE", "the surface before it was deformed: folds are counted, and lengths compared"},
     {"--mirror-model", 0, "x|y|z", "negate a coordinate of the model: another side's"},
     {"--mirror-target", 0, "x|y|z", "negate a coordinate of the targets"},

@@ -130,12 +130,10 @@ static smr_entry32 entry_of(const smr_lists *l, const piece *p, uint32_t e)
 {
     const smr_entry16 *narrow = (const smr_entry16 *)l->entry + p->first + e;
     const smr_entry32 *wide = (const smr_entry32 *)l->entry + p->first + e;
-    const smr_entry32 r =
-        l->index_bytes == 2u
-            ? (smr_entry32){smr_le16(narrow->vertex), smr_le16(narrow->parent), smr_le16(narrow->n_plus),
-                            smr_le16(narrow->n_minus)}
-            : (smr_entry32){smr_le32(wide->vertex), smr_le32(wide->parent), smr_le32(wide->n_plus),
-                            smr_le32(wide->n_minus)};
+    const smr_entry32 r = l->index_bytes == 2u ? (smr_entry32){smr_le16(narrow->vertex), smr_le16(narrow->parent),
+                                                               smr_le16(narrow->n_plus), smr_le16(narrow->n_minus)}
+                                               : (smr_entry32){smr_le32(wide->vertex), smr_le32(wide->parent),
+                                                               smr_le32(wide->n_plus), smr_le32(wide->n_minus)};
     const uint32_t plus = smr_min_u32(r.n_plus, l->n_indexes - p->index);
     return (smr_entry32){smr_index(r.vertex, l->n), smr_min_u32(r.parent, e), plus,
                          smr_min_u32(r.n_minus, l->n_indexes - p->index - plus)};
