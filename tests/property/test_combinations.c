@@ -104,6 +104,7 @@ static smr_status run_in_pieces(smr *s, uint32_t *seed)
             step->end(s);
     }
     s->step = 0;
+    smr_guard_close(s);
     return SMR_OK;
 }
 

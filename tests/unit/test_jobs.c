@@ -270,6 +270,7 @@ TEST(stale)
     scene *const e = start(1);
     smr_job never;
     e->s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr_guard_close(e->s);
     for (uint32_t i = 0; i < sizeof other / sizeof other[0]; i++) {
         assert_int_equal(SMR_OK, begin_verdict(e));
         smr_job old = e->job;
