@@ -40,7 +40,8 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
             return SMR_E_INPUT;
         voxels *= volume->size[a];
         const smr_vec axis = smr_v(volume->direction[a], volume->direction[3u + a], volume->direction[6u + a]);
-        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* some files' axes have the length of the spacing */
+        if (!smr_within(smr_dot(axis, axis) - 1.0f,
+                        SMR_NOT_UNIT)) /* refuses axes that are no unit vectors, such as axes as long as the spacing */
             return SMR_E_INPUT;
     }
     if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))

@@ -74,7 +74,7 @@ typedef struct smr_stored_dihedral {
 static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
 
 typedef struct smr_stored_radius {
-    uint32_t radius;   /* float, mm */
+    uint32_t radius;   /* float, mm: radius of the clusters */
     uint32_t reach;    /* float, mm: largest distance from a cluster's own vertex to a vertex of the cluster */
     uint32_t separate; /* 1: a cluster contains vertices of one structure only */
     uint32_t n_blocks;

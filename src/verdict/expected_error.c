@@ -32,7 +32,7 @@
 /* Positions whose covariances with the observations are computed at once. */
 typedef struct places {
     smr_lanes3 at;     /* start position, mm */
-    smr_lanes3 normal; /* in the start's frame */
+    smr_lanes3 normal; /* unit normal in the start's frame */
     smr_lanes3 arm;    /* vector from the middle, in kernel lengths */
     smr_lanes3 motion; /* displacement by the motion from the start, mm */
 } places;
@@ -199,7 +199,7 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
 /* Variances and displacements of places, from the observations. */
 typedef struct solved {
     smr_lanes left, across;  /* variance of all axes and across the surface / size2 */
-    smr_lanes3 displacement; /* by the variance of the motion from the start, mm */
+    smr_lanes3 displacement; /* displacement by the variance of the motion from the start, mm */
     smr_lanes d2;            /* squared distance to the nearest observation, mm^2 */
 } solved;
 

@@ -163,7 +163,7 @@ void smr_triangles_take(void *job, uint32_t first, uint32_t last)
 typedef struct measured {
     smr_vec at;                   /* mm */
     float mm;                     /* distance to a triangle of the model; SMR_FAR: no triangle is near */
-    uint32_t structure, triangle; /* that triangle, if near */
+    uint32_t structure, triangle; /* structure and number of that triangle of the model, if near */
 } measured;
 
 /* Returns 1 when position c of the target lies within j->near of the structures that share the target: by its distance

@@ -43,7 +43,7 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 static inline float measure(const smr_box_tree *f, const smr_query *q, uint32_t i, float weight[3])
 {
     const uint32_t *t =
-        smr_triangle_at(f->triangle, i, f->n_vertices); /* corners by value cost 15 % more instructions */
+        smr_triangle_at(f->triangle, i, f->n_vertices); /* a pointer: corners by value cost 15 % more instructions */
     return smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]),
                                 weight);
 }
@@ -93,7 +93,7 @@ static float least_of(const smr_box_tree *f, const smr_query *q, uint32_t i, flo
     return smr_max(box_d2, least * least);
 }
 
-/* Sets how far nodes are opened for other2 beyond the closest triangle found so far. */
+/* Sets reach2, within which nodes are opened to bound other triangles, from the closest triangle so far. */
 static void set_reach(smr_bounds *b, const smr_hit *hit, const smr_certainty *known)
 {
     const float reach = SMR_SQRT(hit->d2) + known->slack_mm;

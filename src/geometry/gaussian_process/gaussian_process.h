@@ -19,7 +19,8 @@ static inline float smr_kernel(float d2, float per_length2) { return 1.0f / (1.0
 void smr_factor_set(float *lower, uint32_t i, uint32_t j, float covariance, float least);
 /* Return component i of L^-1 y. row: row i of L; known: components 0 .. i-1; value: y_i. */
 float smr_solve_row(const float *row, uint32_t i, const float *known, float value);
-smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value); /* y of points; known: [i][3] */
+smr_vec smr_solve_row3(const float *row, uint32_t i, float *known,
+                       smr_vec value); /* returns component i of L^-1 y for three columns y; known: [i][3] */
 
 /* Replace y[n], in functions named ...3 y[n][3], by L^-1 y (forward) or L^-T y (back). lower: the factor L. */
 typedef void smr_solver(float *lower, uint32_t n, float *y);

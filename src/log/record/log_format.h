@@ -37,7 +37,7 @@ static inline uint32_t smr_log_config_words(const smr_config *config)
     return (uint32_t)SMR_LOG_CONFIG_WORDS + n_late * (uint32_t)SMR_LOG_LATE_WORDS;
 }
 
-uint32_t smr_log_words(uint32_t kind); /* words of a record's content; 0: unknown kind */
+uint32_t smr_log_words(uint32_t kind); /* returns the number of words of a record's content; 0: unknown kind */
 
 static inline void smr_log_put32(unsigned char *to, uint32_t v)
 {
@@ -76,7 +76,8 @@ uint64_t smr_cloud_checksum(const smr_points *points);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
 uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
-uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud's points and capacity */
+uint64_t smr_target_checksum(
+    const smr_surface *surface); /* returns the checksum of a mesh, or of a cloud's points and capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
 /* Returns the checksum of the input `what` of this kind, both as in smr_log_note(); 0 when the input is taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);

@@ -81,7 +81,7 @@ typedef struct smr_landmark_goals {
     const smr_shape *shape;
     smr_bound_landmark *landmark; /* [config.partial.n_landmarks] landmarks; NULL: none can be set */
     uint32_t n;                   /* number of landmarks that are set */
-    float reach;                  /* range around its triangle in which a hard landmark acts, mm */
+    float reach;                  /* range of a hard landmark around the landmark's triangle, mm */
     uint8_t *visibility;          /* [number of vertices] visibility in the last search, 0 .. SMR_VISIBLE_ONE */
 } smr_landmark_goals;
 

@@ -92,7 +92,9 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
         config = &info.config;
     SMR_TRY(check(model, config, &info));
     smr_count(&s, model, config);
-    if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes)) /* a full build saves more */
+    if (!smr_can_wait(&s.shared) ||
+        !go_over(&s, SMR_KEEP_CHECK, saved,
+                 saved_bytes)) /* a save of a build with more capabilities holds more values */
         return smr_built_without()[0] == 0 ? SMR_E_SAVE : SMR_E_WITHOUT;
     SMR_TRY(smr_init(model, &s.shared.config, port, arena, bytes, &self));
     (void)go_over(self, SMR_KEEP_RESTORE, saved, saved_bytes);

@@ -30,8 +30,8 @@ uint32_t smr_fold_open_tasks(const void *arg)
 typedef struct side {
     const uint32_t *corner; /* [3] vertices of the triangle */
     smr_vec edge[3];        /* the edge opposite each corner, mm */
-    smr_vec normal;         /* unit normal */
-    float area2;            /* twice the area, mm^2 */
+    smr_vec normal;         /* unit normal of the triangle */
+    float area2;            /* twice the area of the triangle, mm^2 */
     float shortest2;        /* squared length of the shortest edge, mm^2 */
 } side;
 

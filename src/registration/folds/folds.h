@@ -52,7 +52,7 @@ typedef struct smr_folds {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;             /* positions x and x_next; fold steps correct x_next in place */
-    smr_tangent_smooth *tangent_smooth; /* its array `limited` gets the removed share of each limited step */
+    smr_tangent_smooth *tangent_smooth; /* smoothing, whose `limited` gets the removed share of each step */
     smr_rings rings;
     smr_tally *tally;
     uint8_t *marked;           /* [n] not 0: a fold step changes the vertex' position in this iteration */

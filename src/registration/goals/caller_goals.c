@@ -102,7 +102,7 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displaceme
     const smr_vec goal = smr_get3(own->xyz, i);
     const float weight = own->weights != NULL ? own->weights[i] : 1.0f;
     if (!smr_within3(goal, SMR_COORD_MAX) || !(weight <= SMR_CALLER_WEIGHT))
-        return 0.0f; /* the caller has changed the array since smr_set_goals() */
+        return 0.0f; /* no goal: the caller has made the array illegal since smr_set_goals() */
     *displacement = smr_sub(smr_sub(goal, g->shape->origin), smr_get3(g->shape->x, v));
     return weight;
 }

@@ -116,7 +116,7 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
         return SMR_FOUND_NONE;
     const int in_image = SMR_HAS_IMAGE && beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
     if (SMR_HAS_IMAGE && !in_image)
-        smr_image_forget(&f->image, v); /* the surface decides what is visible */
+        smr_image_forget(&f->image, v); /* drops the image's result: the surface decides what is visible */
     if (!(rest && in_image) && (partial || landmarks))
         smr_occluded_field_blend(&f->occluded, v, found, displacement);
     if (in_image)

@@ -46,7 +46,7 @@ float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most)
     for (uint32_t i = 0; i < SMR_NEWTON; i++) {
         const float slope = e->c[1] + t * (2.0f * e->c[2] + 3.0f * t * e->c[3]);
         if (!(smr_abs(slope) > 1.0e-3f * smr_abs(e->c[1])))
-            return 0.0f; /* no displacement gives the volume */
+            return 0.0f; /* returns 0: no displacement gives the volume */
         const float now = e->c[0] + t * (e->c[1] + t * (e->c[2] + t * e->c[3]));
         t = smr_clamp(t + (volume - now) / slope, -most, most);
     }

@@ -9,7 +9,7 @@
 
 #define SMR_FORCE_CHUNK 4u   /* number of vertices, or target vertices, in a task that searches a surface */
 #define SMR_LEARN_GOAL 0.05f /* largest displacement, in mean edges, after which a vertex learns what else is near */
-#define SMR_LEARN_PULL 0.04f /* the same for target vertices, by the largest displacement of all vertices */
+#define SMR_LEARN_PULL 0.04f /* largest displacement, in mean edges, after which target vertices learn it */
 #define SMR_VISIBLE_ONE 255u /* visibility of a fully visible vertex */
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* pulling area, in mean areas of a target vertex, from which on pulls count fully */
@@ -75,9 +75,10 @@ typedef struct smr_surface_goals {
     uint32_t *warm;      /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next; /* [n] closest target triangle of each vertex in the current forces, which may restart */
     uint16_t *other;     /* [n] smr_other_unit(): least distance of all target triangles but warm_next[v]; 0: unknown */
-    float *target_other; /* [n_target_vertices] mm: the same of the model's triangles, plus `path` at that time */
-    float path;          /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
-    float moved;         /* mm: largest displacement of the last iteration */
+    float *
+        target_other; /* [n_target_vertices] least distance of all model triangles but the closest, mm, plus `path` then */
+    float path;       /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
+    float moved;      /* mm: largest displacement of the last iteration */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
     uint16_t *target_residual; /* [n_target_vertices] distance to the model, logarithmic (outlier_weights.c) */
     uint64_t *histogram;       /* [SMR_RESIDUALS] area of the target vertices whose residuals lie in each bin */
@@ -95,7 +96,8 @@ void smr_surface_goals_reset(smr_surface_goals *g);  /* discards all results of 
 void smr_surface_goals_commit(smr_surface_goals *g); /* stores the results of complete forces for the next forces */
 void smr_pulls_clear(smr_surface_goals *g);          /* sets all pulls of target vertices to 0 */
 void smr_certainties_clear(smr_surface_goals *g);    /* discards what searches know of other triangles */
-void smr_certainties_age(smr_surface_goals *g, float moved); /* adds the largest displacement of an iteration, mm */
+void smr_certainties_age(smr_surface_goals *g,
+                         float moved);            /* adds an iteration's largest displacement, mm, to `path` */
 void smr_target_warm_clear(smr_surface_goals *g); /* discards the closest model triangles of target vertices */
 /* Checks that no target has changed since it was set. Errors: E_STATE; E_DAMAGED (a fault in a header). */
 smr_status smr_targets_valid(const smr_surface_goals *g);
