@@ -18,14 +18,14 @@ uint32_t smr_longest_axis(const smr_volume *v)
 }
 
 /* Steps from voxel to voxel, mm: along two axes in whose plane noise is measured, and along the longest voxel axis. */
-typedef struct steps {
+typedef struct strides {
     smr_vec step[3];
     uint32_t axis[3]; /* axes of the steps */
-} steps;
+} strides;
 
-static steps steps_of(const smr_volume *v)
+static strides steps_of(const smr_volume *v)
 {
-    steps s;
+    strides s;
     const uint32_t longest = smr_longest_axis(v);
     for (uint32_t i = 0; i < 3u; i++) {
         const uint32_t a = (longest + 1u + i) % 3u;
@@ -37,7 +37,7 @@ static steps steps_of(const smr_volume *v)
 }
 
 /* Writes the sum of nine voxels at a place, and the absolute value of the mask. Returns 0 when one lies outside. */
-static int look(const smr_grid *grid, const steps *s, uint32_t place, float *sum, float *bend)
+static int look(const smr_grid *grid, const strides *s, uint32_t place, float *sum, float *bend)
 {
     smr_vec at = smr_load(grid->volume.origin);
     for (uint32_t i = 0; i < 3u; i++, place /= SMR_PLACES) {
@@ -60,7 +60,7 @@ static int look(const smr_grid *grid, const steps *s, uint32_t place, float *sum
 
 float smr_grid_noise(const smr_grid *grid)
 {
-    const steps s = steps_of(&grid->volume);
+    const strides s = steps_of(&grid->volume);
     uint16_t bin[SMR_BINS] = {0};
     uint32_t n = 0, k = 0;
     float mean = 0.0f, size = 0.0f, sum, bend; /* of the nine voxels' sums; of a bin */

@@ -12,7 +12,7 @@
 #define TARGET_BUDGET_NS 200000u
 #define TARGET_TICKS_MAX 100000u
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
-#define TARGET_READING_NS 2000u          /* what the readings before and after a tick may take */
+#define TARGET_READING_NS 8000u          /* what readings and guard before and after a tick may take */
 #define TARGET_TWIN_TICKS 250u           /* so long a twin without a clock goes along */
 #define TARGET_ALL_TICKS 25u /* ticks of a case from which on all cases run, with fewer the first TARGET_FIRST */
 #define TARGET_FIRST 8u

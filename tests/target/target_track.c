@@ -8,7 +8,7 @@
 
 #define TARGET_BUDGET_NS 200000u /* of a tick */
 #define TARGET_SLICE_NS 50000u   /* of building and refitting */
-#define TARGET_READING_NS 2000u  /* what the readings before and after may take */
+#define TARGET_READING_NS 8000u  /* what readings and guard before and after may take */
 #define TARGET_FRAMES 3u
 #define TARGET_TICKS_MAX 20000u
 #define TARGET_SLICES_LEAST 10u /* of a surface of this size */

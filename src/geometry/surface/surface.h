@@ -48,8 +48,7 @@ struct smr_surface {
     smr_surface_work work;
 };
 
-uint32_t
-smr_surface_guard(const smr_surface *s); /* returns a checksum of the pointers and counts of a complete surface */
+uint32_t smr_surface_guard(const smr_surface *s); /* returns the checksum of a complete surface's pointers and counts */
 
 /* Numbers of connected components. FRAGMENT: small, open, ignored; SMALL: other small ones; FIRST ..: large ones. */
 enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
