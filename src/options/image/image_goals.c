@@ -307,7 +307,8 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    const float noise = c->image.blend == SMR_BLEND_PLAIN ? 0.0f : g->noise / g->noise_level; /* the paper: 0 */
+    const int ignored = c->image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f); /* the paper ignores noise */
+    const float noise = ignored ? 0.0f : g->noise / g->noise_level;
     const uint32_t n_inside = noise > SMR_NOISY
                                   ? smr_grid_thick_line(&g->grid, noise, l.start, l.step, l.n, line, inside)
                                   : smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside);
@@ -319,7 +320,8 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     if (l.reach > 0u)
         match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
     smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
-    edge.confidence *= smr_clamp(SMR_NOISY_EDGE / noise, 0.5f, 1.0f);
+    if (noise > SMR_NOISY_EDGE)
+        edge.confidence *= smr_max(SMR_NOISY_EDGE / noise, 0.5f);
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > c->image.confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : smr_image_shows(g, v) ? SMR_UNDECIDED : hidden(g, v);
