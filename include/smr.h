@@ -726,7 +726,8 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
 smr_status smr_get_landmarks(const smr *s, float *xyz);
 
 /* config.references: models with shapes of further subjects (smr_prepare_config.also). After smr_set_pose(), vertices
- * that a target does not show follow a convex blend of all shapes; the visible vertices choose the weights. */
+ * that a target does not show follow a convex blend of all shapes; the visible vertices choose the weights. Start
+ * positions in reports, verdicts and energies are then those of the shapes' mean. */
 typedef struct smr_references_config {
     /* factor, [0.01, 1000000], default 300. Strength of the prior that all shapes have equal weights */
     float prior;
@@ -1254,7 +1255,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv bytes fewer suffice without profiles */
 #define SMR_SAVE_AHEAD_BYTES(ns) ((size_t)4u + (size_t)96u * (ns))   /* added by track.ahead */
 #define SMR_SAVE_DYNAMICS_BYTES(nv, ns) ((size_t)128u + (size_t)40u * (nv) + (size_t)8u * (ns))
-#define SMR_SAVE_REFERENCES_BYTES(n) ((size_t)36u + (size_t)4u * (n))
+#define SMR_SAVE_REFERENCES_BYTES(n) ((size_t)56u + (size_t)4u * (n))
 #define SMR_SAVE_CONTACT_BYTES(nv, n_fixed) ((size_t)4u * (nv) + (size_t)8u * (n_fixed))
 
 /* Bound of a log of n_ticks ticks, each with the results of a caller's force, and n_sets calls of smr_set_...(), of any

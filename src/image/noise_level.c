@@ -86,5 +86,5 @@ float smr_grid_noise(const smr_grid *grid)
     }
     for (uint32_t left = n / 2u; k + 1u < SMR_BINS && bin[k] <= left; k++)
         left -= bin[k];
-    return k == 0u ? 0.0f : ((float)k + 0.5f) * size * (1.0f / SMR_MASK_SD);
+    return k == 0u || n == 0u ? 0.0f : ((float)k + 0.5f) * size * (1.0f / SMR_MASK_SD);
 }

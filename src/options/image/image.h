@@ -45,7 +45,7 @@ typedef struct smr_image_goals {
     uint32_t n_invisible;           /* number of vertices that the image does not show */
     smr_grid grid;                  /* target image */
     float noise;                    /* standard deviation of the target image's noise, intensity */
-    float noise_level;              /* mean of the noise levels of structures, intensity */
+    float noise_level;              /* mean noise level of structures with profiles, intensity */
     smr_image_structure *structure; /* [n_structures] results and settings of each structure's search in the image */
     uint8_t *contrast;              /* [n] image's contrast / profile's * SMR_CONTRAST_ONE, at each goal; 0: unknown */
     uint8_t *contrast_next;         /* [n] contrast numbers, as in `contrast`, of the current forces */

@@ -88,12 +88,13 @@ static float noise_of(const smr_model *m, const smr_shape_structure *one)
 
 void smr_image_goals_derive(smr_image_goals *g)
 {
-    float sum = 0.0f;
+    float sum = 0.0f, count = 0.0f; /* of structures with profiles */
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
         g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
         sum += g->structure[k].noise;
+        count += g->structure[k].noise > 0.0f ? 1.0f : 0.0f;
     }
-    g->noise_level = sum / (float)g->shared->n_structures;
+    g->noise_level = sum / smr_max(count, 1.0f);
     count_invisible(g);
 }
 

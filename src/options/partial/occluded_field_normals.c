@@ -143,7 +143,7 @@ static void take_weights(const smr_occluded_field *f)
 void smr_field_normals_begin(smr_occluded_field *f, smr_vec middle)
 {
     f->middle = smr_field_posed(f, middle);
-    f->apart2 = FLT_MIN;
+    f->apart2 = 1.0e-20f; /* mm^2: no division by 0 where all shapes are equal */
     find_motion_to_start(f, middle);
 }
 
@@ -214,7 +214,7 @@ void smr_field_normals_end(smr_occluded_field *f)
         smr_store(to, smr_scale(smr_load(to), f->residual[k]));
     }
     add_motions(f, sum);
-    if (smr_blends(f->shape))
+    if (smr_blends(f->shape) && f->unit > 0.0f)
         take_weights(f);
     if (!smr_all_within(f->coefficient, 3u * f->n, SMR_FIELD_FAR) || !smr_all_within(f->pose.m[0], 12u, SMR_FIELD_FAR))
         f->n = 0;

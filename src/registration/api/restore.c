@@ -1,6 +1,7 @@
 /* restore.c: restores a registration from saved bytes, all of which are checked before anything is written.
  * Bounds: two passes over the bytes; the bounds of smr_init().
  * SPDX-License-Identifier: MIT */
+#include "options/references/references.h"
 #include "registration/api/setup.h"
 #include "registration/config/config.h"
 
@@ -55,7 +56,7 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     smr_config as_saved = info->config, asked = *config;
     smr_config_settle(&asked);
     as_saved.basic.n_workers = config->basic.n_workers;
-    if (smr_config_left_out(&as_saved))
+    if (smr_config_left_out(&as_saved) || (!SMR_HAS_REFERENCES && smr_model_references(model) != NULL))
         return SMR_E_WITHOUT;
     if (memcmp(&as_saved, &asked, sizeof as_saved) != 0)
         return SMR_E_CONFIG;
