@@ -57,7 +57,7 @@ smr_status smr_job_step(smr_job *job, uint32_t units, const smr_port *port, uint
     const int timed = budget_ns > 0u && used.now_ns != NULL;
     const uint64_t begin = timed ? used.now_ns(used.ctx) : 0u;
     if (h->guard != NULL && !h->guard(h, 1))
-        return h->status = SMR_E_STATE;
+        return h->status = h->status == SMR_PARTIAL ? SMR_E_STATE : h->status;
     for (uint32_t left = units > 0u ? units : UINT32_MAX; h->status == SMR_PARTIAL && left > 0u;) {
         left -= run_some(h, &used, timed ? smr_min_u32(left, used.n_workers) : left);
         left += units == 0u ? UINT32_MAX - left : 0u;

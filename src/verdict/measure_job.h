@@ -25,9 +25,14 @@ static inline smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, u
 
 /* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when a tick, a setter or another
  * measure has come since the begin. */
-static inline int smr_measure_guard(const smr_measuring *m, int enter)
+static inline int smr_measure_guard(smr_measuring *m, int enter)
 {
     smr *const s = m->s;
+    const smr_status sound = enter ? smr_sound(s) : SMR_OK;
+    if (sound != SMR_OK) {
+        m->head.status = sound; /* closing the guard would hide the fault */
+        return 0;
+    }
     if (enter && (!smr_measurable(s) || s->log.changes != m->changes || s->n_measured != m->turn))
         return 0;
     s->ticking = (uint32_t)enter;

@@ -245,8 +245,15 @@ static const smr_stage stages[] = {
 
 static int is_unchanged(void *job, int enter)
 {
-    const smr_judgement *j = job;
-    return (!enter || smr_inputs_valid(&j->s->forces) == SMR_OK) && smr_measure_guard(&j->job, enter);
+    smr_judgement *j = job;
+    smr_status status = SMR_OK;
+    if (enter && smr_sound(j->s) == SMR_OK)
+        status = smr_inputs_valid(&j->s->forces);
+    if (status != SMR_OK) {
+        j->job.head.status = status;
+        return 0;
+    }
+    return smr_measure_guard(&j->job, enter);
 }
 
 /* Begins to measure a structure, or all. Errors: E_NULL, E_STATE, E_INPUT. */

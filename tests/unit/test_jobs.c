@@ -290,6 +290,27 @@ TEST(stale)
     assert_int_equal(SMR_E_NULL, smr_expected_begin(e->s, 0, NULL, NULL, NULL, &never));
 }
 
+/* A local volume that is left anywhere changes no tick, and a fault between two steps is told. */
+TEST(left)
+{
+    uint64_t hash = 0;
+    for (uint32_t pieces = 0; pieces < 400u; pieces += 40u) {
+        scene *const e = start(1);
+        assert_int_equal(SMR_OK, begin_volume(e));
+        for (uint32_t i = 0; i < pieces; i++)
+            (void)smr_job_step(&e->job, 1, NULL, 0);
+        assert_int_equal(SMR_OK, smr_tick(e->s, 0, NULL));
+        hash = pieces == 0u ? smr_state_hash(e->s) : hash;
+        assert_true(hash == smr_state_hash(e->s));
+    }
+    scene *const e = start(1);
+    assert_int_equal(SMR_OK, begin_verdict(e));
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e->job, 3, NULL, 0));
+    e->s->schedule.iteration ^= 1u;
+    assert_int_equal(SMR_E_DAMAGED, smr_job_step(&e->job, 3, NULL, 0));
+    assert_int_equal(SMR_E_DAMAGED, smr_tick(e->s, 0, NULL));
+}
+
 /* A port that leaves out tasks, or has no worker, is refused. */
 static void lose(void *ctx, smr_task task, void *arg, uint32_t n_tasks)
 {

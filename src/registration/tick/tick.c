@@ -241,6 +241,7 @@ static watch begin(smr *s, uint64_t budget_ns)
     if (s->step > 0u || s->next_task > 0u) {
         smr_budget_resume(s);
     } else if (!smr_idle(&s->schedule)) {
+        smr_place_reset(s); /* a local volume that was left keeps its place in a worker */
         smr_schedule_begin(s);
         smr_budget_plan(s, timed ? budget_ns : UINT64_MAX);
     }
