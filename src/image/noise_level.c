@@ -70,8 +70,9 @@ float smr_grid_noise(const smr_grid *grid)
         if (place == 0u && i > 0u) {
             if (!smr_within(size, SMR_LARGEST) || !(size > 0.0f))
                 return 0.0f;
-            mean /= (float)n;
-            size /= (float)n * SMR_BINS_MEAN;
+            const float per = 1.0f / (float)n; /* one quotient: two would be lanes of a vector that divides 0 by 0 */
+            mean *= per;
+            size *= per * (1.0f / SMR_BINS_MEAN);
             n = 0;
         }
         if (!look(grid, &s, place, &sum, &bend) || (place < i && sum < mean))
