@@ -75,10 +75,9 @@ typedef struct smr_surface_goals {
     uint32_t *warm;      /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next; /* [n] closest target triangle of each vertex in the current forces, which may restart */
     uint16_t *other;     /* [n] smr_other_unit(): least distance of all target triangles but warm_next[v]; 0: unknown */
-    float *
-        target_other; /* [n_target_vertices] least distance of all but the closest model triangle, mm, plus `path` then */
-    float path;       /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
-    float moved;      /* mm: largest displacement of the last iteration */
+    float *target_other; /* [n_target_vertices] mm: distance of all but the closest model triangle, plus `path` then */
+    float path;          /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
+    float moved;         /* mm: largest displacement of the last iteration */
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
     uint16_t *target_residual; /* [n_target_vertices] distance to the model, logarithmic (outlier_weights.c) */
     uint64_t *histogram;       /* [SMR_RESIDUALS] area of the target vertices whose residuals lie in each bin */
