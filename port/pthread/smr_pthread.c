@@ -52,6 +52,7 @@ struct smr_pthread {
     _Atomic uint32_t sleepers;      /* workers inside pthread_cond_wait */
     _Atomic uint32_t in_vain;       /* number of wakes since a woken worker last found a task */
     _Atomic uint32_t caller_sleeps; /* 1: the caller waits on `finished` */
+    _Atomic uint32_t busy;          /* 1: a loop runs; a call from one of its tasks, or another thread, loops alone */
     _Atomic uint32_t stop;
 
     pthread_mutex_t mutex;
@@ -216,7 +217,7 @@ static void smr_pthread_join_tasks(smr_pthread *p)
 static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     smr_pthread *p = ctx;
-    if (p->n_workers == 1u || n_tasks < 2u) {
+    if (p->n_workers == 1u || n_tasks < 2u || atomic_exchange(&p->busy, 1u) != 0u) {
         for (uint32_t task = 0; task < n_tasks; task++)
             run(arg, task, 0);
         return;
@@ -233,6 +234,7 @@ static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_
         (void)smr_pthread_work(p, 0);
         smr_pthread_join_tasks(p);
     }
+    atomic_store(&p->busy, 0u);
 }
 
 size_t smr_pthread_bytes(uint32_t n_workers)
