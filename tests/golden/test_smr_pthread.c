@@ -56,6 +56,25 @@ TEST(test_each_task_once)
     }
 }
 
+static void outer_task(void *port, uint32_t task, uint32_t worker)
+{
+    (void)task;
+    (void)worker;
+    run_loop(port, 9);
+}
+
+/* Tasks may have loops of their own. */
+TEST(test_loop_in_a_loop)
+{
+    smr_pthread *pool = NULL;
+    assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, 4));
+    smr_port port = smr_pthread_port(pool);
+    for (uint32_t i = 0; i < 100u; i++)
+        port.parallel(port.ctx, outer_task, &port, 5);
+    run_loop(&port, TEST_TASKS);
+    smr_pthread_destroy(pool);
+}
+
 TEST(test_clock_goes_forward)
 {
     smr_pthread *pool = NULL;
