@@ -40,7 +40,7 @@ typedef enum smr_status {
     SMR_E_LOG = -9,      /* the bytes are not a log, are of another version, damaged, or end within a record */
     SMR_E_SAVE = -10,    /* the bytes are not a save, are of another version, damaged or inconsistent */
     SMR_E_WITHOUT = -11, /* a log or a save needs a capability that this build leaves out */
-    SMR_E_DAMAGED = -12  /* memory has changed that only the library may change: section 22 */
+    SMR_E_DAMAGED = -12  /* memory has changed that only the library may change */
 } smr_status;
 
 /* Returns the status' name, for example "SMR_E_ARENA", never NULL. */
