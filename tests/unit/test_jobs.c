@@ -63,6 +63,7 @@ static void *scratch_of(scene *e, const smr_align_config *config, size_t *bytes)
 {
     assert_int_equal(SMR_OK, smr_align_bytes(config, bytes));
     e->scratch = e->scratch != NULL ? e->scratch : rig_alloc(*bytes);
+    smr_arena_release(e->scratch, *bytes);
     memset(e->scratch, 0x5a, *bytes);
     return e->scratch;
 }

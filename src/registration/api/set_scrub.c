@@ -66,7 +66,8 @@ static input input_of(smr *s, uint32_t number)
 static size_t add_slice(const input *i, size_t at, uint32_t *sum)
 {
     const size_t left = i->at == NULL ? 0u : i->bytes - at, n = left < SMR_SLICE ? left : SMR_SLICE;
-    *sum = smr_byte_sum(*sum, i->at + (n > 0u ? at : 0u), n);
+    if (n > 0u)
+        *sum = smr_byte_sum(*sum, i->at + at, n);
     return at + n;
 }
 
