@@ -41,7 +41,7 @@ static unit_image seed_image(uint32_t number)
     float further[2][64][3];
     const smr_subjects subjects = {further[0][0], number == 4u ? 2u : 0u};
     for (uint32_t i = 0; i < 2u * 64u; i++)
-        oracle_within_box(&r, -4.0f, 4.0f, further[0][i]);
+        oracle_within_box(&r, -4.0f, 4.0f, further[i / 64u][i % 64u]);
     c.also = &subjects;
     unit_image image = unit_prepare(two, number > 3u ? 1u : 2u, &c);
     unit_mesh_free(&a);
