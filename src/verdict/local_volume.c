@@ -210,7 +210,11 @@ static int is_unchanged(void *job, int enter)
 {
     local *l = job;
     l->sums.schedule = &l->schedule;
-    return smr_measure_guard(&l->job, enter);
+    if (!smr_measure_guard(&l->job, enter))
+        return 0;
+    if (!enter)
+        smr_guard_close(l->job.s); /* the sums of lists move a worker, which the guard covers */
+    return 1;
 }
 
 smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job)

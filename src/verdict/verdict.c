@@ -246,14 +246,14 @@ static const smr_stage stages[] = {
 static int is_unchanged(void *job, int enter)
 {
     smr_judgement *j = job;
-    smr_status status = SMR_OK;
-    if (enter && smr_sound(j->s) == SMR_OK)
-        status = smr_inputs_valid(&j->s->forces);
-    if (status != SMR_OK) {
-        j->job.head.status = status;
+    if (!smr_measure_guard(&j->job, enter))
         return 0;
-    }
-    return smr_measure_guard(&j->job, enter);
+    const smr_status status = enter ? smr_inputs_valid(&j->s->forces) : SMR_OK;
+    if (status == SMR_OK)
+        return 1;
+    j->job.head.status = status;
+    (void)smr_measure_guard(&j->job, 0);
+    return 0;
 }
 
 /* Begins to measure a structure, or all. Errors: E_NULL, E_STATE, E_INPUT. */
