@@ -15,11 +15,11 @@ void __asan_poison_memory_region(void const volatile *addr, size_t size);
 void __asan_unpoison_memory_region(void const volatile *addr, size_t size);
 #define SMR_POISON(p, n) __asan_poison_memory_region((p), (n))
 #define SMR_UNPOISON(p, n) __asan_unpoison_memory_region((p), (n))
-#define SMR_RED_ZONE ((size_t)SMR_ALIGN) /* bytes of poisoned memory behind each slot */
+#define SMR_RED_ZONE ((size_t)8) /* least bytes of poisoned memory behind each slot */
 #else
 #define SMR_POISON(p, n) ((void)(p), (void)(n))
 #define SMR_UNPOISON(p, n) ((void)(p), (void)(n))
-#define SMR_RED_ZONE ((size_t)0) /* bytes of poisoned memory behind each slot: none */
+#define SMR_RED_ZONE ((size_t)0) /* least bytes of poisoned memory behind each slot: none */
 #endif
 
 smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
@@ -39,11 +39,10 @@ void *smr_arena_take(smr_arena *a, size_t count, size_t size)
         a->used = SIZE_MAX;
         return NULL;
     }
-    const size_t end = start + (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
-    a->used = end + SMR_RED_ZONE;
+    a->used = start + (bytes + SMR_RED_ZONE + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
     if (a->base == NULL || a->used > a->capacity)
         return NULL;
-    SMR_UNPOISON(a->base + start, end - start);
+    SMR_UNPOISON(a->base + start, bytes);
     SMR_POISON(a->base + start + bytes, a->used - start - bytes);
     return a->base + start;
 }
