@@ -378,6 +378,11 @@ experiments: all $(CASE_TOOL)
 results results-short: all $(BUILD)/fixture_write $(CASE_TOOL) $(BENCHES) $(BUILD)/tests/property/test_properties
 	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" sh tests/results/results.sh $(if $(findstring short,$@),short,all)
 
+# Other programs' results; elastix needs minutes.
+.PHONY: peers
+peers:
+	@$(MAKE) -s results-short PARTS='peers elastix'
+
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
 

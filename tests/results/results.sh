@@ -143,6 +143,12 @@ part_peers() {
     done
 }
 
+part_elastix() {
+    say elastix
+    /usr/bin/python3 $here/peers.py "$smr" "$data" "$out/elastix" >"$out/elastix.txt" || { say "$(tail -n 1 "$out/elastix.txt")"; return 0; }
+    sed 's/^/elastix./; s/ /\t/' "$out/elastix.txt" >>"$new"
+}
+
 # "mean / largest" of fixture_write --compare
 moved() { "$compare" --compare "$1" "$2" | sed -E 's/mean ([0-9.]+) mm, max ([0-9.]+) mm.*/\1 \2/' | awk '{printf "%.2f / %.1f mm", $1, $2}'; }
 
@@ -326,7 +332,7 @@ part_sizes() {
 # ---------------------------------------------------------------- all of them, cheap ones first
 
 parts='clusters bone example pairs sides peers demo images ct paper sizes bench moved'
-[ "$mode" = short ] || parts="$parts thigh noise figure2 parts references verdict track"
+[ "$mode" = short ] || parts="$parts elastix thigh noise figure2 parts references verdict track"
 for part in ${PARTS:-$parts}; do "part_$part"; done
 
 old=docs/RESULTS.md
