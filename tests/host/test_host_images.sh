@@ -155,6 +155,20 @@ check "and no residual of an iteration that did not look" [ "$(value ends/report
 check "--smoothing" has_status 4 $SMR register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 1e6 --ticks 1
 check "is another start" sh -c "'$SMR' register --model bone.ply -o sharp $image4 --landmarks five.csv five_to.csv --ticks 1 --quiet; ! cmp -s smooth/bone.ply sharp/bone.ply"
 check "--smoothing 100 is the default with an image" sh -c "'$SMR' register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 100 --ticks 1 --quiet; cmp -s smooth/bone.ply sharp/bone.ply"
+# Twelve landmarks that move by a shear, each 8 mm off, or as a whole: the start follows as much as they foretell.
+for kind in spline rigid similarity; do
+    for to in 0 1; do
+        awk -v kind=$kind -v to=$to 'BEGIN { for (i = 0; i < 12; i++) {
+            x = 12 * sin(2.4 * i); y = 12 * cos(2.4 * i); z = 5 * i - 28; s = kind == "similarity" ? 1.2 : 1
+            if (kind == "spline") x += to * z / 2
+            if (kind == "rigid") { x += to * 8 * sin(7.1 * i * i); y += to * 8 * cos(5.3 * i * i) }
+            printf "p%d,%g,%g,%g\n", i, to ? s * x + 1 : x, to ? s * y : y, to ? s * z : z } }' >$kind$to.csv
+    done
+    $SMR register --model bone.ply -o kind $image4 --landmarks ${kind}0.csv ${kind}1.csv --ticks 1 --quiet
+    check "landmarks carry a start: $kind" [ "$(value kind/report.json start_kind)" = "landmarks $kind" ]
+    $SMR register --model bone.ply -o kind $image4 --landmarks ${kind}0.csv ${kind}1.csv --ticks 1 --quiet --smoothing 100
+    check "with --smoothing it is a spline" [ "$(value kind/report.json start_kind)" = "landmarks spline" ]
+done
 surface="--target target.ply --landmarks five.csv five_to.csv --ticks 1 --quiet"
 check "--smoothing 0 with a surface" sh -c "'$SMR' register --model bone.ply -o smooth $surface --smoothing 0; '$SMR' register --model bone.ply -o sharp $surface; cmp -s smooth/bone.ply sharp/bone.ply"
 for key in start_kind similarity method residual_mean_mm residual_max_mm moved_mean_mm moved_max_mm matched_share folds; do

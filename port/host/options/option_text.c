@@ -96,7 +96,9 @@ static const struct {
     {"--vertex-errors", 0, "", "results have seen (0, 1) and expected_error (mm) of each vertex"},
     {"--paper", 0, "", "model and registration as the paper has them, where no option says otherwise"},
     {"--accept", 0, "good|look", "the worst verdict whose exit status is 0 (good)"},
-    {"--smoothing", 0, "MM", "of the landmarks' spline; 0 passes through each (0; into an image 100)"},
+    {"--smoothing", 0, "MM",
+     "of the landmarks' spline; 0 passes through each (0; into an image 100, or a pose where six landmarks or more "
+     "carry no spline)"},
     {"--quiet", 0, "", "print nothing but errors"},
     {"--clusters", 0, "auto|shared|separate",
      "whether clusters keep to their structure: at small radii, nowhere, everywhere (auto)"},

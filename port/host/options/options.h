@@ -76,6 +76,7 @@ typedef struct host_options {
     double budget_ms;                /* ms per tick; 0: no clock */
     uint32_t align;                  /* HOST_ALIGN_...; with landmarks: a pose is fitted to them */
     float smoothing;                 /* mm, of the landmarks' spline */
+    int spline_if_better;            /* the start is a similarity where landmarks do not carry a spline */
     host_span search, gradient;      /* mm, of image forces; search.from also of surface forces */
     uint32_t clusters;               /* HOST_CLUSTERS_... */
     uint32_t quiet;

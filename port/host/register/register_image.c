@@ -9,6 +9,11 @@
 #include "labels/surface_set.h"
 #include "register/register_job.h"
 
+#define FEW_LANDMARKS 6u /* fewer landmarks do not tell whether they carry a spline */
+/* Errors of left-out landmarks by a freer fit over those by a stiffer one, below which the freer one is used. */
+#define SPLINE_LESS 0.75    /* a spline, by a pose */
+#define SIMILARITY_LESS 0.9 /* a similarity, by a rigid pose */
+
 /* Names the structures that nothing is measured of, in one line. */
 static void tell_missing(const host_job *job)
 {
@@ -288,6 +293,69 @@ int host_job_place_pairs(host_job *job, const float *from, const float *to, host
                                                   : warp_by_pairs(job, from, to, error);
 }
 
+/* Moves a landmark by a pose. */
+static void move(const smr_pose *pose, const float *p, float *moved)
+{
+    for (uint32_t k = 0; k < 3u; k++)
+        moved[k] = pose->m[k][0] * p[0] + pose->m[k][1] * p[1] + pose->m[k][2] * p[2] + pose->m[k][3];
+}
+
+/* Adds the squared distances of landmark `out` from where a fit of each kind, SMR_WARP_..., to the others puts it. */
+static int add_left_out(const host_job *job, const float *from, const float *to, uint32_t out, void *memory,
+                        size_t bytes, double sum[3])
+{
+    float others[2][HOST_LANDMARKS_MAX][3], moved[3][3];
+    uint32_t n = 0, spline = 0;
+    smr_warp *warp = NULL;
+    smr_pose pose[2];
+    for (uint32_t i = 0; i < job->n_landmarks; i++)
+        if (i != out) {
+            memcpy(others[0][n], from + 3u * i, sizeof others[0][n]);
+            memcpy(others[1][n++], to + 3u * i, sizeof others[1][n]);
+        }
+    memcpy(moved[SMR_WARP_SPLINE], from + 3u * out, sizeof moved[0]);
+    if (smr_warp_fit(others[0][0], others[1][0], n, job->options->smoothing, memory, bytes, &warp, &spline) != SMR_OK ||
+        smr_warp_apply(warp, moved[SMR_WARP_SPLINE], 1) != SMR_OK ||
+        smr_align_landmarks(others[0][0], others[1][0], n, 1, &pose[0], NULL) != SMR_OK ||
+        smr_align_landmarks(others[0][0], others[1][0], n, 0, &pose[1], NULL) != SMR_OK)
+        return -1;
+    move(&pose[0], from + 3u * out, moved[SMR_WARP_SCALED]);
+    move(&pose[1], from + 3u * out, moved[SMR_WARP_RIGID]);
+    for (uint32_t kind = 0; kind < 3u; kind++)
+        for (uint32_t k = 0; k < 3u; k++)
+            sum[kind] += pow((double)moved[kind][k] - (double)to[3u * out + k], 2.0);
+    return 0;
+}
+
+/* Returns the kind of start that landmarks carry: a similarity instead of a rigid pose, or a spline instead of either,
+ * only where it foretells landmarks that are left out clearly better (leave-one-out cross-validation). Otherwise it
+ * would follow the landmarks' errors. */
+static uint32_t carried_kind(const host_job *job, const float *from, const float *to)
+{
+    const uint32_t step = 1u + job->n_landmarks / 64u;
+    size_t bytes = 0;
+    double sum[3] = {0};
+    if (job->n_landmarks < FEW_LANDMARKS || smr_warp_bytes(job->n_landmarks, &bytes) != SMR_OK)
+        return SMR_WARP_SPLINE;
+    void *const memory = host_alloc(bytes);
+    int result = memory == NULL ? -1 : 0;
+    for (uint32_t i = 0; result == 0 && i < job->n_landmarks; i += step)
+        result = add_left_out(job, from, to, i, memory, bytes, sum);
+    free(memory);
+    const uint32_t pose =
+        sqrt(sum[SMR_WARP_SCALED]) < SIMILARITY_LESS * sqrt(sum[SMR_WARP_RIGID]) ? SMR_WARP_SCALED : SMR_WARP_RIGID;
+    return result != 0 || sqrt(sum[SMR_WARP_SPLINE]) < SPLINE_LESS * sqrt(sum[pose]) ? SMR_WARP_SPLINE : pose;
+}
+
+/* Gives the landmarks the goals of their best pose, so that the spline through them is that pose. */
+static void pose_goals(const host_job *job, uint32_t kind, const float *from, float *to)
+{
+    smr_pose pose;
+    if (smr_align_landmarks(from, to, job->n_landmarks, kind == SMR_WARP_SCALED, &pose, NULL) == SMR_OK)
+        for (uint32_t i = 0; i < job->n_landmarks; i++)
+            move(&pose, from + 3u * i, to + 3u * i);
+}
+
 int host_job_place(host_job *job, host_error *error)
 {
     const host_options *const options = job->options;
@@ -303,7 +371,14 @@ int host_job_place(host_job *job, host_error *error)
     if (result != 0)
         return -1;
     error->file = options->landmarks.path[0];
-    return host_job_place_pairs(job, from[0], to[0], error);
+    const int choose = options->spline_if_better && options->align == HOST_ALIGN_NONE;
+    const uint32_t kind = choose ? carried_kind(job, from[0], to[0]) : SMR_WARP_SPLINE;
+    if (kind != SMR_WARP_SPLINE)
+        pose_goals(job, kind, from[0], to[0]);
+    result = host_job_place_pairs(job, from[0], to[0], error);
+    if (kind != SMR_WARP_SPLINE)
+        job->warp_kind = kind;
+    return result;
 }
 
 int host_job_place_by_goals(host_job *job, host_error *error)

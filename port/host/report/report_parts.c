@@ -166,7 +166,7 @@ void host_job_summary(const host_job *job)
                  host_seconds() - job->begin_s, job->load_s, job->model_is_prepared ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
-        (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
+        (void)printf("start: %u landmarks carry no spline, a %s fit instead\n", job->n_landmarks,
                      host_warp_name(job->warp_kind));
     const int part = job->overlap.n > 0 && job->overlap.weight < SHOWN * a->weight;
     if (part)
