@@ -97,8 +97,8 @@ static const struct {
     {"--paper", 0, "", "model and registration as the paper has them, where no option says otherwise"},
     {"--accept", 0, "good|look", "the worst verdict whose exit status is 0 (good)"},
     {"--smoothing", 0, "MM",
-     "of the landmarks' spline; 0 passes through each (0; into an image 100, or a pose where six landmarks or more "
-     "carry no spline)"},
+     "of the landmarks' spline; 0 passes through each (0, into an image 100; or a pose, where six landmarks or more "
+     "foretell each other no better by a spline)"},
     {"--quiet", 0, "", "print nothing but errors"},
     {"--clusters", 0, "auto|shared|separate",
      "whether clusters keep to their structure: at small radii, nowhere, everywhere (auto)"},

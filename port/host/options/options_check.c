@@ -253,10 +253,8 @@ static void set_image_config(host_options *options)
     config->motion.momentum = image.motion.momentum;
     config->motion.momentum_last = image.motion.momentum_last;
     config->basic.n_target_vertices = 0;
-    if (!host_option_given(options, "--smoothing")) {
+    if (!host_option_given(options, "--smoothing"))
         options->smoothing = options->paper ? 0.0f : IMAGE_SMOOTHING;
-        options->spline_if_better = !options->paper;
-    }
     if (!host_option_given(options, "--plastic-every"))
         config->motion.plastic_every = image.motion.plastic_every;
     if (!host_option_given(options, "--iterations"))
@@ -310,6 +308,7 @@ static int settle_targets(host_options *options, host_error *error)
         options->config.basic.search_mm = options->search.from;
     if (options->image_target)
         set_image_config(options);
+    options->spline_if_better = !options->paper && !host_option_given(options, "--smoothing");
     return 0;
 }
 
