@@ -101,7 +101,7 @@ check "nor a line of its own" sh -c '! grep -q "that the target shows" out.txt'
 # The command and the inputs; gzip keeps the same checksum, low byte first.
 "$SMR" register $landmarks to.csv -o out --quiet
 check "the command is the report's" sh -c "sed -n '/\"command\": \[/,/\]/p' out/report.json | tr -d ' \n' |
-    grep -qF '\"command\":[\"smr\",\"register\",\"--model\",\"bone.ply\",\"--target\",\"target.ply\",\"--landmarks\",\"from.csv\",\"to.csv\",\"-o\",\"out\",\"--quiet\"]'"
+    grep -qF '\"command\":[\"smr\",\"register\",\"--model\",\"bone.ply\",\"--target\",\"target.ply\",\"--smoothing\",\"0\",\"--landmarks\",\"from.csv\",\"to.csv\",\"-o\",\"out\",\"--quiet\"]'"
 check "the inputs are sorted" [ "$(sed -n 's/^      "path": "\(.*\)",$/\1/p' out/report.json | tr '\n' ' ')" = "bone.ply from.csv target.ply to.csv " ]
 for file in bone.ply from.csv; do
     check "$file: bytes" sh -c "grep -A1 '\"path\": \"$file\"' out/report.json | grep -q '\"bytes\": $(wc -c <$file | tr -d ' '),'"
