@@ -96,7 +96,9 @@ static inline void smr_add_product(float m[9], smr_vec v, smr_vec w)
 
 /* Writes the vertices near p (mm from smr_carry.centre), the nearest one first, and their noise variances to *s. */
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s);
-void smr_carry_factor(const smr_carry *c, smr_carry_site *s); /* computes the factors of the equations */
+void smr_carry_fill(const smr_carry *c, smr_carry_site *s); /* sets the matrix of the equations */
+/* Replaces columns first .. last-1 of the matrix by those of its factors; columns before are done. */
+void smr_carry_factor(smr_carry_site *s, uint32_t first, uint32_t last);
 /* Replaces the right-hand side b[1 .. n-1] of the factored equations by their solution; b[0] is not changed. */
 void smr_carry_solve(const smr_carry_site *s, float *b);
 /* Writes side[1 .. n-1], the equations' right-hand side for point p. Returns g of the nearest vertex' distance. */

@@ -30,9 +30,15 @@ static void growths(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint
     }
 }
 
-static void fill(const smr_carry *c, smr_carry_site *s)
+/* Returns the matrix' diagonal element of the site's vertex i, before elimination. */
+static float diagonal(const smr_carry_site *s, uint32_t i)
 {
-    s->far[0] = 0.0f;
+    return s->far[i] + s->part[i] * s->far[i] + s->noise_variance[i];
+}
+
+void smr_carry_fill(const smr_carry *c, smr_carry_site *s)
+{
+    s->far[0] = s->inverse[0] = 0.0f;
     s->part[0] = 1.0f;
     growths(c, s, smr_carry_place(s, 0), 1, s->n, s->far);
     for (uint32_t i = 1; i < s->n; i++) {
@@ -42,21 +48,17 @@ static void fill(const smr_carry *c, smr_carry_site *s)
         growths(c, s, smr_carry_place(s, i), 1, i, row);
         for (uint32_t j = 1; j < i; j++)
             row[j] = far + part * s->far[j] - row[j];
-        row[i] = far + part * far + s->noise_variance[i];
+        row[i] = diagonal(s, i);
     }
 }
 
-/* Computes the factors L D L^T column by column, so that compilers vectorise the inner loop. */
-void smr_carry_factor(const smr_carry *c, smr_carry_site *s)
+/* The factors are L D L^T. Column by column, compilers vectorise the inner loop. */
+void smr_carry_factor(smr_carry_site *s, uint32_t first, uint32_t last)
 {
-    float column[SMR_CARRY_NEAR], least[SMR_CARRY_NEAR];
-    fill(c, s);
-    for (uint32_t j = 1; j < s->n; j++)
-        least[j] = SMR_CARRY_PIVOT * s->lower[j * SMR_CARRY_WIDTH + j] + SMR_CARRY_NOTHING;
-    s->inverse[0] = 0.0f;
-    for (uint32_t j = 1; j < s->n; j++) {
+    float column[SMR_CARRY_NEAR];
+    for (uint32_t j = smr_max_u32(first, 1u); j < smr_min_u32(last, s->n); j++) {
         const float pivot = s->lower[j * SMR_CARRY_WIDTH + j];
-        s->inverse[j] = pivot > least[j] ? 1.0f / pivot : 0.0f;
+        s->inverse[j] = pivot > SMR_CARRY_PIVOT * diagonal(s, j) + SMR_CARRY_NOTHING ? 1.0f / pivot : 0.0f;
         for (uint32_t i = j + 1u; i < s->n; i++)
             column[i] = s->lower[i * SMR_CARRY_WIDTH + j];
         for (uint32_t i = j + 1u; i < s->n; i++) {

@@ -1,7 +1,7 @@
 /* carry_fit.c: binds points to the rest shape, a job (base/job.h): orders the vertices along a curve, fits boxes around
  * groups of them, and computes each point's coefficients from the rest shape alone.
  * Bounds: passes over the vertices in pieces, a radix sort among them; for each point one search and one factor of the
- * equations.
+ * equations, a task each, the factor in three.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/bytes.h"
@@ -15,6 +15,7 @@
 #define SMR_CARRY_LEAST 1.0e-6f      /* least diagonal of the box, mm; least range of the rough part / diagonal */
 #define SMR_CARRY_PIECE 96u          /* vertices or points in a task that visits them */
 #define SMR_CARRY_BOXES 4u           /* nodes in a task that fits boxes */
+#define SMR_CARRY_PARTS 5u           /* tasks that bind a point */
 
 /* smr_carry_fit() in progress. */
 typedef struct binding {
@@ -26,6 +27,7 @@ typedef struct binding {
     const float *rest, *points;     /* [n_vertices][3] and [n_points][3], the caller's, mm */
     smr_box box;                    /* box around the rest positions checked so far, mm */
     float diagonal, steps;          /* diagonal of the box; sum of the distances along the curve so far, mm */
+    uint32_t whole;                 /* 1: the call has no pieces, a task binds a point */
     uint32_t count[SMR_SORT_BYTES]; /* of the sort */
 } binding;
 
@@ -181,19 +183,28 @@ static void fit_boxes(const binding *b, uint32_t task, int above)
 static void fit_leaves(void *job, uint32_t task, SMR_UNUSED uint32_t worker) { fit_boxes(job, task, 0); }
 static void fit_nodes(void *job, uint32_t task, SMR_UNUSED uint32_t worker) { fit_boxes(job, task, 1); }
 
-static uint32_t point_tasks(const void *job) { return ((const binding *)job)->c->n_points; }
+static uint32_t n_sites(const void *job) { return ((const binding *)job)->c->port.n_workers; }
 
-/* Binds point i: writes the vertices near the point, their coefficients, and the remaining part that T maps. */
-static void bind(void *job, uint32_t i, uint32_t worker)
+/* In pieces, tasks visit a part of as many points as there are sites, then the next part, then the next points. */
+static uint32_t point_tasks(const void *job)
 {
     const binding *b = job;
+    const uint32_t n = b->c->n_points, sites = n_sites(b);
+    return b->whole ? n : smr_ceil_div(n, sites) * sites * SMR_CARRY_PARTS;
+}
+
+static uint32_t point_places(const void *job)
+{
+    return ((const binding *)job)->whole ? point_tasks(job) : n_sites(job);
+}
+
+/* Writes the vertices near point i, their coefficients, and the remaining part that T maps. */
+static void write_point(const binding *b, uint32_t i, smr_carry_site *s)
+{
     smr_carry *c = b->c;
-    smr_carry_site *const s = &c->site[worker];
     const smr_vec p = smr_sub(smr_get3(b->points, i), c->centre);
     uint32_t *near = c->near + (size_t)SMR_CARRY_NEAR * i;
     float *coefficient = c->coefficient + (size_t)SMR_CARRY_NEAR * i, *left = c->rest_part + 4u * (size_t)i;
-    smr_carry_gather(c, p, s);
-    smr_carry_factor(c, s);
     float open = smr_carry_side(c, p, s), sum = 0.0f;
     smr_carry_solve(s, s->side);
     const smr_vec first = smr_carry_place(s, 0);
@@ -213,6 +224,31 @@ static void bind(void *job, uint32_t i, uint32_t worker)
     left[3] = open;
 }
 
+/* Does a part of the work that binds point i, in s: the vertices near the point, the equations, their factors in three
+ * parts of about equal work, the last with the point's results. */
+static void bind_part(const binding *b, uint32_t i, uint32_t part, smr_carry_site *s)
+{
+    static const uint32_t first[] = {0, 0, 0, 7, 17, SMR_CARRY_NEAR}; /* column of each part */
+    if (part == 0u)
+        smr_carry_gather(b->c, smr_sub(smr_get3(b->points, i), b->c->centre), s);
+    if (part == 1u)
+        smr_carry_fill(b->c, s);
+    if (part >= 2u)
+        smr_carry_factor(s, first[part], first[part + 1u]);
+    if (part + 1u == SMR_CARRY_PARTS)
+        write_point(b, i, s);
+}
+
+static void bind(void *job, uint32_t task, uint32_t worker)
+{
+    const binding *b = job;
+    const uint32_t n = n_sites(b), i = task / (n * SMR_CARRY_PARTS) * n + task % n;
+    if (!b->whole && i < b->c->n_points)
+        bind_part(b, i, task / n % SMR_CARRY_PARTS, &b->c->site[task % n]);
+    for (uint32_t part = 0; part < SMR_CARRY_PARTS && b->whole; part++)
+        bind_part(b, task, part, &b->c->site[worker]);
+}
+
 static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const binding *b = job;
@@ -226,7 +262,7 @@ static const smr_stage stages[] = {
     {check_tasks, check, smr_in_order, NULL}, {vertex_tasks, make_keys, NULL, NULL},
     {sort_tasks, sort, smr_in_order, NULL},   {vertex_tasks, copy_rest, smr_in_order, NULL},
     {leaf_tasks, fit_leaves, NULL, NULL},     {node_tasks, fit_nodes, smr_in_order, NULL},
-    {point_tasks, bind, NULL, NULL},          {NULL, finish, NULL, NULL},
+    {point_tasks, bind, point_places, NULL},  {NULL, finish, NULL, NULL},
 };
 
 smr_status smr_carry_fit_begin(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
@@ -257,10 +293,13 @@ smr_status smr_carry_fit_begin(const float *rest, uint32_t n_vertices, const flo
     return SMR_OK;
 }
 
+static void bind_whole(smr_job *job) { ((binding *)(void *)job)->whole = 1; }
+
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry)
 {
     smr_job job;
     SMR_TRY(smr_carry_fit_begin(rest, n_vertices, points, n_points, port, memory, bytes, carry, &job));
+    bind_whole(&job);
     return smr_job_step(&job, 0, NULL, 0);
 }

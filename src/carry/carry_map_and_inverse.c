@@ -67,7 +67,8 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
     const smr_carry *c = j->c;
     value v;
     smr_carry_gather(c, p, s);
-    smr_carry_factor(c, s);
+    smr_carry_fill(c, s);
+    smr_carry_factor(s, 0, SMR_CARRY_NEAR);
     const smr_vec first = weigh(j, s);
     const float share = smr_carry_side(c, p, s) / (1.0f + SMR_CARRY_ROUGH);
     const smr_vec near = slope(c, s, p, 0);
