@@ -35,7 +35,7 @@ static inline int smr_pose_mirrors(const smr_pose *p)
 /* A short list of poses, cheapest first. */
 typedef struct smr_pose_list {
     smr_pose pose[SMR_LIST_MOST];
-    float cost[SMR_LIST_MOST]; /* cost of each pose, 0..1.5 (smr_pairs_cost) */
+    float cost[SMR_LIST_MOST]; /* cost of each pose, 0..1.5 (smr_measure_cost) */
     uint32_t n, most;          /* number of poses in the list; largest number that it keeps, <= SMR_LIST_MOST */
 } smr_pose_list;
 
@@ -121,10 +121,9 @@ enum { SMR_MODEL, SMR_TARGET, SMR_SIDES };
 /* The two surfaces that are aligned, their samples, and scratch, in the caller's memory. */
 typedef struct smr_aligner {
     smr_align_side side[SMR_SIDES];
-    uint32_t *order; /* [samples] scratch of a quantile: squared distances as integers */
-    uint32_t used;   /* number of samples of each side that have pairs */
-    float far2;      /* squared search range, mm^2; also stored for samples without a closest point */
-    float limit;     /* distance beyond which a sample does not match, for costs of poses, mm */
+    uint32_t used; /* number of samples of each side that have pairs */
+    float far2;    /* squared search range, mm^2; also stored for samples without a closest point */
+    float limit;   /* distance beyond which a sample does not match, for costs of poses, mm */
 } smr_aligner;
 
 /* Returns the smaller one of both sides' spreads, mm. */
@@ -137,19 +136,44 @@ static inline float smr_aligner_spread(const smr_aligner *a)
  * whole not on a part; and a pose that matches all of a part is better than one that matches a little more of both. */
 static inline float smr_cost_of_sides(float a, float b) { return smr_min(a, b) + 0.5f * smr_max(a, b); }
 
-/* ---- align_closest_points.c: pairs of closest points under a pose, their measures, and refinement by them ---- */
+/* ---- align_closest_points.c: pairs of closest points under a pose ---- */
 
 /* Writes the closest points of a piece of a side's a->used samples on the other side, with the model moved by the pose.
  */
 void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece);
-/* Returns the distance beyond which pairs are outliers, mm, from the distances of the better-matching side. */
-float smr_pairs_limit(const smr_aligner *a);
-/* Returns the share of a side's samples, 0..1, weighted by area, that are nearer to the other side than `limit` mm. */
-float smr_pairs_share(const smr_aligner *a, uint32_t side, float limit);
+/* ---- align_measures.c: measures of the pairs, in passes over the samples of both sides ---- */
+
+#define SMR_MEASURE_RANKS 1u  /* bit of `of`: a quantile of each side's distances is found */
+#define SMR_MEASURE_SUMS 2u   /* bit: then shares, cost and root mean square are summed */
+#define SMR_MEASURE_CAPPED 4u /* bit: the outlier limit is at most smr_aligner.limit */
+
+/* Measures of one pose's pairs. */
+typedef struct smr_measure {
+    uint32_t of;                           /* SMR_MEASURE_... */
+    uint32_t rank[SMR_SIDES];              /* rank of the quantile among samples with the digits found so far */
+    uint32_t found[SMR_SIDES];             /* digits of the quantile's squared distance, mm^2, as a float's bits */
+    uint32_t count[SMR_SIDES][16];         /* number of samples with each next digit */
+    float near[SMR_SIDES], all[SMR_SIDES]; /* weight of each side's samples nearer than the limit, and of all */
+    float sum[SMR_SIDES];                  /* sum of squared distances up to smr_aligner.limit, mm^2 */
+    float square, within;                  /* of both sides: sum up to the quantiles, mm^2, and its weight */
+} smr_measure;
+
+/* Returns the number of visits of samples that the measures need. */
+uint32_t smr_measure_visits(const smr_aligner *a, uint32_t of);
+/* share: of each side's samples, 0..1, at which the quantile lies; NULL: that of outlier limits. */
+void smr_measure_start(const smr_aligner *a, uint32_t of, const float share[SMR_SIDES], smr_measure *m);
+/* Makes a piece of the visits, in order. */
+void smr_measure_run(const smr_aligner *a, smr_measure *m, smr_piece visits);
+/* Returns the distance beyond which pairs are outliers, mm, from the quantile of the better-matching side. */
+float smr_measure_limit(const smr_aligner *a, const smr_measure *m);
+/* Returns the share of a side's samples, 0..1, weighted by area, that are nearer to the other side than the limit. */
+float smr_measure_share(const smr_measure *m, uint32_t side);
 /* Returns the cost of a pose from both sides' means of min(1, distance / a->limit)^2. 0: all match; 1.5: none does. */
-float smr_pairs_cost(const smr_aligner *a);
-/* Returns the root mean square distance of samples, mm; of each side the nearest share[side], 0..1, of them count. */
-float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES]);
+float smr_measure_cost(const smr_aligner *a, const smr_measure *m);
+/* Returns the root mean square distance of the samples up to each side's quantile, mm. */
+float smr_measure_rms(const smr_measure *m);
+
+/* ---- align_closest_points.c: refinement by pairs ---- */
 
 #define SMR_REFINE_SCALED 1u  /* bit of `how`: the refinement fits scale, rotation and translation */
 #define SMR_REFINE_TRIMMED 2u /* bit of `how`: outlier pairs get no weight */
@@ -162,10 +186,11 @@ typedef struct smr_refined {
     uint32_t round; /* number of rounds done */
     float last;     /* least sum of squared distances so far; FLT_MAX before the first round */
     uint32_t state; /* SMR_REFINE_... */
-    float cost;     /* smr_pairs_cost() of the refined pose */
+    float cost;     /* smr_measure_cost() of the refined pose */
     float limit;    /* distance beyond which pairs are outliers in this round, mm */
     float sum;      /* weighted sum of the squared distances collected in this round, mm^2 */
     smr_fit fit;    /* of the pairs collected in this round, from model to target */
+    smr_measure measure;
 } smr_refined;
 
 /* A round: sets the outlier limit from the pairs, which belong to the pose; adds the pairs of both sides, the model's
@@ -223,6 +248,7 @@ void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coars
 #define SMR_ALIGN_PLACES 32u   /* poses of the coarse search that are compared together */
 #define SMR_ALIGN_GROUP 10u    /* largest number of poses that are refined together */
 #define SMR_ALIGN_COLLECT 128u /* pairs in a task that adds them to a fit */
+#define SMR_ALIGN_VISITS 2048u /* visits of samples in a task that measures pairs */
 #define SMR_ALIGN_PIECE 4u     /* samples in a task that searches closest points */
 
 /* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
@@ -247,14 +273,15 @@ typedef struct smr_align_work {
     uint32_t rounds;     /* most rounds; 0: only pairs are found */
     uint32_t how;        /* SMR_REFINE_... */
     uint32_t last;       /* 1: pairs are found for the last time, to be measured */
+    uint32_t of;         /* SMR_MEASURE_... of the one pose of a list without `into` */
+    const float *parts;  /* [SMR_SIDES] share of each side's samples up to which these measures go; NULL: as usual */
     smr_refined group[SMR_ALIGN_GROUP];
 
     /* the steps of the call */
     uint32_t at;    /* the next step */
     uint32_t other; /* pose of `best` that is compared with the result */
     smr_pose given, result;
-    float cost;  /* of the best pose before its last refinement */
-    float limit; /* outlier limit of its pairs, mm */
+    float cost; /* of the best pose before its last refinement */
     float share[SMR_SIDES];
     int whole; /* 1: both surfaces are wholes and all pairs count */
     uint32_t scaled, iterations;
@@ -265,7 +292,8 @@ typedef struct smr_align_work {
     smr_align_report *report;
 } smr_align_work;
 
-#define SMR_ALIGN_END 2 /* result of smr_align_step() after the last step */
+#define SMR_ALIGN_END 2     /* result of smr_align_step() after the last step */
+#define SMR_ALIGN_MEASURE 3 /* result of a step that requests other measures of the same pairs */
 
 /* Runs the next step. Returns 1 when the step requests work, 0 when it does not, -1 when no pose was found. */
 int smr_align_step(smr_align_work *w);

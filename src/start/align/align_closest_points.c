@@ -1,15 +1,11 @@
 /* align_closest_points.c: pairs of closest points in both directions under a pose, and refinement by them: iterative
  * closest point (ICP, Besl and McKay 1992, with agreeing normals). Outlier pairs lose their weight (Tukey's); the limit
  * follows from the distances.
- * Bounds: 2 * samples searches for the pairs; a quantile is 4 passes over a side's samples.
+ * Bounds: 2 * samples searches for the pairs.
  * SPDX-License-Identifier: MIT */
-#include "base/bytes.h"
 #include "start/align/align.h"
 
 #define SMR_AGREE 0.1f        /* smallest cosine between the normals of a sample and its closest point */
-#define SMR_MOSTLY 0.4f       /* share of a side's samples that is assumed to match the other side */
-#define SMR_LIMIT 5.7f        /* outlier limit / quantile SMR_MOSTLY of distances: three deviations, if half-normal */
-#define SMR_LEAST 0.045f      /* smallest outlier limit / smaller spread of both sides: less would keep wrong poses */
 #define SMR_UNTRIMMED 1.0e15f /* mm: outlier limit that no pair exceeds; its square still fits a float */
 #define SMR_STEADY 16u        /* smallest number of rounds before a refinement may end early, which rounding affects */
 #define SMR_STAGNANT 0.9995f  /* sum of squared distances / least sum so far above which a round is the last */
@@ -50,78 +46,9 @@ void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, s
     }
 }
 
-/* Returns a quantile of a side's squared distances, mm^2, by a radix search: bits of floats >= 0 sort as floats. */
-static float quantile(const smr_aligner *a, uint32_t side, float share)
-{
-    uint32_t rank = smr_min_u32((uint32_t)(share * (float)a->used), a->used - 1u), found = 0, mask = 0;
-    for (uint32_t i = 0; i < a->used; i++)
-        a->order[i] = smr_float_bits(a->side[side].pair[i].d2);
-    for (uint32_t shift = 24u; shift < 32u; shift -= 8u) {
-        uint32_t count[256] = {0}, byte = 0;
-        for (uint32_t i = 0; i < a->used; i++)
-            if ((a->order[i] & mask) == found)
-                count[a->order[i] >> shift & 255u]++;
-        for (; rank >= count[byte]; byte++)
-            rank -= count[byte];
-        found |= byte << shift;
-        mask |= 255u << shift;
-    }
-    return smr_float_of(found);
-}
-
-float smr_pairs_limit(const smr_aligner *a)
-{
-    const float d2 = smr_min(quantile(a, SMR_MODEL, SMR_MOSTLY), quantile(a, SMR_TARGET, SMR_MOSTLY));
-    return smr_max(SMR_LIMIT * SMR_SQRT(d2), SMR_LEAST * smr_aligner_spread(a));
-}
-
-float smr_pairs_share(const smr_aligner *a, uint32_t side, float limit)
-{
-    const smr_align_side *s = &a->side[side];
-    float near = 0.0f, all = 1.0e-6f;
-    for (uint32_t k = 0; k < a->used; k++) {
-        const float weight = s->weight[smr_sample(s, k, a->used)];
-        near += s->pair[k].d2 < limit * limit ? weight : 0.0f;
-        all += weight;
-    }
-    return near / all;
-}
-
-float smr_pairs_cost(const smr_aligner *a)
-{
-    const float most = a->limit * a->limit;
-    float cost[SMR_SIDES];
-    for (uint32_t side = 0; side < SMR_SIDES; side++) {
-        const smr_align_side *s = &a->side[side];
-        float sum = 0.0f, all = 1.0e-6f;
-        for (uint32_t k = 0; k < a->used; k++) {
-            const float weight = s->weight[smr_sample(s, k, a->used)];
-            sum += weight * smr_min(s->pair[k].d2, most);
-            all += weight;
-        }
-        cost[side] = sum / (all * most);
-    }
-    return smr_cost_of_sides(cost[SMR_MODEL], cost[SMR_TARGET]);
-}
-
-float smr_pairs_rms(const smr_aligner *a, const float share[SMR_SIDES])
-{
-    float sum = 0.0f, all = 1.0e-6f;
-    for (uint32_t side = 0; side < SMR_SIDES; side++) {
-        const smr_align_side *s = &a->side[side];
-        const float most = quantile(a, side, share[side]);
-        for (uint32_t k = 0; k < a->used; k++) {
-            const float d2 = s->pair[k].d2, weight = d2 <= most ? s->weight[smr_sample(s, k, a->used)] : 0.0f;
-            sum += weight * d2;
-            all += weight;
-        }
-    }
-    return SMR_SQRT(sum / all);
-}
-
 void smr_align_limit(const smr_aligner *a, uint32_t how, smr_refined *r)
 {
-    r->limit = how & SMR_REFINE_TRIMMED ? smr_pairs_limit(a) : SMR_UNTRIMMED;
+    r->limit = how & SMR_REFINE_TRIMMED ? smr_measure_limit(a, &r->measure) : SMR_UNTRIMMED;
     r->sum = 0.0f;
     smr_fit_start(&r->fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
 }

@@ -93,10 +93,15 @@ static void refine_one(smr_align_work *w, const smr_pose *pose, uint32_t samples
     refine(w, &w->one, samples, rounds, how, NULL);
 }
 
-static void find_pairs(smr_align_work *w, const smr_pose *pose, uint32_t samples)
+/* Requests the pairs of one pose and their measures. */
+static void find_pairs(smr_align_work *w, const smr_pose *pose, uint32_t samples, uint32_t of)
 {
     refine_one(w, pose, samples, 0, 0);
+    w->of = of;
 }
+
+/* Returns the measures of the one pose. */
+static const smr_measure *measured(const smr_align_work *w) { return &w->group[0].measure; }
 
 /* ---- the steps of the call; each returns 1 when it requests work, whose result the next step
  * takes, and -1 when no pose was found ---- */
@@ -146,24 +151,16 @@ static int measure_best(smr_align_work *w)
 {
     if (w->best.n == 0u)
         return -1;
-    find_pairs(w, &w->best.pose[0], w->some);
+    find_pairs(w, &w->best.pose[0], w->some, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS | SMR_MEASURE_CAPPED);
     return 1;
-}
-
-static int find_limit(smr_align_work *w)
-{
-    const smr_aligner *a = &w->aligner;
-    w->limit = smr_min(smr_pairs_limit(a), a->limit);
-    w->cost = smr_pairs_cost(a);
-    return 0;
 }
 
 /* Refines the best pose by all pairs, if both surfaces are wholes. */
 static int refine_whole(smr_align_work *w)
 {
-    const smr_aligner *a = &w->aligner;
-    w->whole =
-        smr_pairs_share(a, SMR_MODEL, w->limit) > SMR_WHOLE && smr_pairs_share(a, SMR_TARGET, w->limit) > SMR_WHOLE;
+    const smr_measure *m = measured(w);
+    w->cost = smr_measure_cost(&w->aligner, m);
+    w->whole = smr_measure_share(m, SMR_MODEL) > SMR_WHOLE && smr_measure_share(m, SMR_TARGET) > SMR_WHOLE;
     if (w->whole)
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
     return w->whole;
@@ -172,7 +169,7 @@ static int refine_whole(smr_align_work *w)
 static int measure_whole(smr_align_work *w)
 {
     if (w->whole)
-        find_pairs(w, &w->one.pose[0], w->some);
+        find_pairs(w, &w->one.pose[0], w->some, SMR_MEASURE_SUMS);
     return w->whole;
 }
 
@@ -181,7 +178,7 @@ static int measure_whole(smr_align_work *w)
 static int fit_part(smr_align_work *w)
 {
     if (w->whole && w->scaled)
-        w->whole = smr_pairs_cost(&w->aligner) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
+        w->whole = smr_measure_cost(&w->aligner, measured(w)) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
     if (w->whole)
         return 0;
     w->one.pose[0] = w->best.pose[0];
@@ -200,26 +197,25 @@ static int refine_part(smr_align_work *w)
 static int measure_result(smr_align_work *w)
 {
     w->result = w->one.pose[0];
-    find_pairs(w, &w->result, w->all);
+    find_pairs(w, &w->result, w->all, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS);
     return 1;
 }
 
 static int report_result(smr_align_work *w)
 {
     smr_align_report *r = &w->said;
-    const smr_aligner *a = &w->aligner;
-    const float limit = smr_pairs_limit(a);
-    r->model_share = smr_pairs_share(a, SMR_MODEL, limit);
-    r->target_share = smr_pairs_share(a, SMR_TARGET, limit);
+    r->model_share = smr_measure_share(measured(w), SMR_MODEL);
+    r->target_share = smr_measure_share(measured(w), SMR_TARGET);
     w->share[SMR_MODEL] = w->whole ? 1.0f : r->model_share;
     w->share[SMR_TARGET] = w->whole ? 1.0f : r->target_share;
-    return 0;
+    w->parts = w->share;
+    return SMR_ALIGN_MEASURE;
 }
 
 static int measure_given(smr_align_work *w)
 {
-    w->said.rms_mm = smr_pairs_rms(&w->aligner, w->share);
-    find_pairs(w, &w->given, w->all);
+    w->said.rms_mm = smr_measure_rms(measured(w));
+    find_pairs(w, &w->given, w->all, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS);
     return 1;
 }
 
@@ -227,7 +223,7 @@ static int measure_given(smr_align_work *w)
 static int report_given(smr_align_work *w)
 {
     smr_align_report *r = &w->said;
-    const float rms = smr_pairs_rms(&w->aligner, w->share);
+    const float rms = smr_measure_rms(measured(w));
     if (rms <= SMR_GIVEN_WORSE * r->rms_mm) {
         r->given = 1;
         r->rms_mm = rms;
@@ -247,7 +243,7 @@ static int find_other(smr_align_work *w)
     while (w->other < best->n &&
            !pose_differs(&w->aligner, &best->pose[w->other], &best->pose[0], SMR_OTHER_COS, SMR_OTHER_SHIFT));
     if (w->other < best->n)
-        find_pairs(w, &best->pose[w->other], w->some);
+        find_pairs(w, &best->pose[w->other], w->some, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS);
     return w->other < best->n;
 }
 
@@ -257,7 +253,7 @@ static int compare_other(smr_align_work *w)
     smr_align_report *r = &w->said;
     if (w->other >= w->best.n)
         return 0;
-    const float rms = smr_pairs_rms(&w->aligner, w->share);
+    const float rms = smr_measure_rms(measured(w));
     if (r->second_rms_mm == 0.0f || rms < r->second_rms_mm)
         r->second_rms_mm = rms;
     r->n_alike += w->best.cost[w->other] <= SMR_ALIKE_COST * w->best.cost[0] + SMR_ALIKE_SLACK;
@@ -284,14 +280,14 @@ static int refine_mirrored(smr_align_work *w)
 static int measure_mirrored(smr_align_work *w)
 {
     const smr_pose mirrored = w->one.pose[0];
-    find_pairs(w, &mirrored, w->some);
+    find_pairs(w, &mirrored, w->some, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS);
     return 1;
 }
 
 static int finish(smr_align_work *w)
 {
     const smr_align_side *model = &w->aligner.side[SMR_MODEL], *target = &w->aligner.side[SMR_TARGET];
-    w->said.mirrored_rms_mm = smr_pairs_rms(&w->aligner, w->share);
+    w->said.mirrored_rms_mm = smr_measure_rms(measured(w));
     w->said.model_inside_out = model->outward < 0.0f;
     w->said.target_inside_out = target->outward < 0.0f;
     smr_pose_through(&w->result, model->surface->origin, smr_add(target->surface->origin, smr_column(&w->result, 3)));
@@ -302,9 +298,9 @@ static int finish(smr_align_work *w)
 }
 
 static int (*const steps[])(smr_align_work *w) = {
-    find_poses,   try_smaller,   try_larger,    try_ratio,    refine_finalists, measure_best,     find_limit,
-    refine_whole, measure_whole, fit_part,      refine_part,  measure_result,   report_result,    measure_given,
-    report_given, find_other,    compare_other, try_mirrored, refine_mirrored,  measure_mirrored, finish,
+    find_poses,    try_smaller,   try_larger,   try_ratio,       refine_finalists, measure_best,  refine_whole,
+    measure_whole, fit_part,      refine_part,  measure_result,  report_result,    measure_given, report_given,
+    find_other,    compare_other, try_mirrored, refine_mirrored, measure_mirrored, finish,
 };
 
 int smr_align_step(smr_align_work *w)

@@ -56,7 +56,6 @@ static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_coar
         a->side[side].weight = smr_arena_take(arena, n, sizeof(float));
         a->side[side].pair = smr_arena_take(arena, n, sizeof(smr_pair));
     }
-    a->order = smr_arena_take(arena, n, sizeof(uint32_t));
 }
 
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
@@ -76,7 +75,7 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 
 /* ---- the stages ---- */
 
-enum { SMR_ALIGN_SIDES, SMR_ALIGN_STEP, SMR_ALIGN_SEARCH, SMR_ALIGN_GROUPS, SMR_ALIGN_PAIRS };
+enum { SMR_ALIGN_SIDES, SMR_ALIGN_STEP, SMR_ALIGN_SEARCH, SMR_ALIGN_GROUPS, SMR_ALIGN_PAIRS, SMR_ALIGN_MEASURES };
 
 static smr_align_work *work_of(const void *job) { return ((const align_job *)job)->w; }
 
@@ -102,6 +101,8 @@ static void run_step(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t wo
         j->head.status = SMR_E_INPUT;
     if (result == 0)
         j->head.next_stage = SMR_ALIGN_STEP;
+    if (result == SMR_ALIGN_MEASURE)
+        j->head.next_stage = SMR_ALIGN_MEASURES;
     if (result == SMR_ALIGN_END)
         j->head.next_stage = j->head.n_stages;
 }
@@ -151,7 +152,6 @@ static void begin_group(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
 static smr_aligner aligner_of(const smr_align_work *w, uint32_t i)
 {
     smr_aligner a = w->aligner;
-    a.order += (size_t)i * a.used;
     for (uint32_t side = 0; side < SMR_SIDES; side++)
         a.side[side].pair += (size_t)i * a.used;
     return a;
@@ -175,6 +175,34 @@ static void find_some(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 
 static uint32_t group_tasks(const void *job) { return work_of(job)->n; }
 
+/* Returns what is measured: outlier limits of rounds, costs of refined poses, or what a step has requested. */
+static uint32_t measures_of(const smr_align_work *w)
+{
+    if (!w->last)
+        return w->how & SMR_REFINE_TRIMMED ? SMR_MEASURE_RANKS : 0u;
+    return w->into != NULL ? SMR_MEASURE_SUMS : w->of;
+}
+
+/* Tasks visit a piece of the samples for each pose of the group, then the next piece. */
+static uint32_t measure_tasks(const void *job)
+{
+    const smr_align_work *w = work_of(job);
+    return w->n * smr_ceil_div(smr_measure_visits(&w->aligner, measures_of(w)), SMR_ALIGN_VISITS);
+}
+
+static void measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_align_work *w = work_of(job);
+    const uint32_t i = task % w->n, of = measures_of(w);
+    smr_refined *const r = &w->group[i];
+    const smr_aligner a = aligner_of(w, i);
+    if (r->state != SMR_REFINE_GOES_ON && (!w->last || r->state == SMR_REFINE_FAILED))
+        return;
+    if (task < w->n)
+        smr_measure_start(&a, of, w->last && w->into == NULL ? w->parts : NULL, &r->measure);
+    smr_measure_run(&a, &r->measure, smr_piece_of(task / w->n, SMR_ALIGN_VISITS, smr_measure_visits(&a, of)));
+}
+
 /* Sets the outlier limit of a pose of the group, or computes the refined pose's cost. */
 static void find_limit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -182,7 +210,7 @@ static void find_limit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_refined *const r = &w->group[task];
     const smr_aligner a = aligner_of(w, task);
     if (w->last && w->into != NULL && r->state != SMR_REFINE_FAILED)
-        r->cost = smr_pairs_cost(&a);
+        r->cost = smr_measure_cost(&a, &r->measure);
     if (!w->last && r->state == SMR_REFINE_GOES_ON)
         smr_align_limit(&a, w->how, r);
 }
@@ -242,6 +270,7 @@ static const smr_stage stages[] = {
     {try_tasks, try_pose, try_places, take_poses},
     {NULL, begin_group, NULL, NULL},
     {pairs_tasks, find_some, NULL, NULL},
+    {measure_tasks, measure, group_tasks, NULL},
     {group_tasks, find_limit, NULL, NULL},
     {collect_tasks, collect, group_tasks, NULL},
     {group_tasks, fit, NULL, NULL},
