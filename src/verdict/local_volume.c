@@ -17,7 +17,7 @@
 /* Words of the record of a vertex or a cluster: of the present shape, then as many of the rest shape. */
 enum { SMR_SIX_VOLUMES, SMR_NORMALS, SMR_MOMENTS = 4, SMR_TWO_AREAS = 7, SMR_LOCAL_WORDS };
 
-#define SMR_LOCAL_PIECE 256u /* vertices or triangles in a task */
+#define SMR_LOCAL_PIECE 192u /* vertices or triangles in a task */
 
 typedef struct local {
     smr_measuring job;
