@@ -136,10 +136,12 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
     return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
 }
 
-/* Returns the smallest number of active vertices that this radius, or the caller, allows. */
+/* Returns the smallest number of active vertices that this radius, or the caller, allows. The schedule takes as many as
+ * an image needs: with half of them, corresponding vertices are a fifth farther off. */
 static uint32_t fewest(const smr *s)
 {
-    return s->schedule.n_active_chosen > 0u
+    const int all = smr_image_on(&s->forces.image) && !smr_tracks(&s->schedule);
+    return s->schedule.n_active_chosen > 0u || all
                ? s->schedule.n_active
                : smr_min_u32(smr_max_u32(s->schedule.lists.active_min, 1u), s->schedule.n_active);
 }
