@@ -320,7 +320,7 @@ typedef struct smr_job {
     uint64_t state[SMR_JOB_BYTES / 8u];
 } smr_job;
 
-/* Continues a job for `units` pieces of 170,000 instructions of a Cortex-M7 at most (0: no limit), or until budget_ns
+/* Continues a job for `units` pieces of 110,000 instructions of a Cortex-M7 at most (0: no limit), or until budget_ns
  * have passed by the port's clock (0, or no clock: no limit), to the end of a piece on each worker. port NULL: the
  * call's own port, or none. Limits and threads change no bit. SMR_OK: the results are written. SMR_PARTIAL: work is
  * left. Errors: E_NULL, E_CONFIG (n_workers), E_STATE (no job; a registration that has since got a tick, a setter or
@@ -1230,7 +1230,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_ARENA_BYTES(nv, nt, ns, n_workers, n_target_vertices, method)                                              \
     ((size_t)8704u + ((method) == SMR_METHOD_RIGID ? (size_t)278u : (size_t)314u) * (nv) +                             \
      ((nv) < 190u ? (size_t)64u * (190u - (nv)) : (size_t)0u) + (size_t)(12u + SMR_SWAPPED_BYTES) * (nt) +             \
-     (size_t)(nt) / 16u + (size_t)256u * (ns) + (size_t)2192u * (n_workers) +                                          \
+     (size_t)(nt) / 16u + (size_t)264u * (ns) + (size_t)2192u * (n_workers) +                                          \
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)6080u + (size_t)40u * (ns) + (size_t)10u * (n_target_vertices) +             \
                                       (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))

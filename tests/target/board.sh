@@ -3,6 +3,7 @@
 # board_set BOARD          sets board_name, board_machine, board_emulator, board_tools and board_cflags
 # board_missing            prints what the board that is set needs and this machine has not
 # board_need               ends the script as skipped where a tool for the Cortex-M is missing
+# board_bone_of MM         writes the models that some programs read from the emulator's folder, board_bone
 # board_build PROGRAM      prints the program's file; flags for the compiler may follow
 # board_run SHIFT FILE     runs it: an instruction takes 2^SHIFT nanoseconds of the board's time; words for it may follow
 
@@ -59,6 +60,13 @@ board_flash() {
     "$host/fixture_write" "$host/flash" 1 12 &&
         "${SMR:-$host/smr}" build --model "$host/flash/source.ply" --radius 90,45 --quiet \
             -o "$board_dir/flash/bone_model.c" --c-array bone_model
+}
+
+# Models of a bone of this mean edge, mm, and of a deformed one, in board_bone.
+board_bone_of() {
+    host=${BUILD:-build} board_bone=${BUILD:-build}/$board-board/bone_$1
+    mkdir -p "$board_bone" && "$host/fixture_write" "$board_bone" 1 "$1" &&
+        for of in source target; do "${SMR:-$host/smr}" build --model "$board_bone/$of.ply" -o "$board_bone/$of.smr" --quiet; done
 }
 
 board_build() {

@@ -4,7 +4,7 @@
 # usage: check_boards.sh [BOARD [PROGRAM [TICKS]]]
 # golden: this machine's bits, and the core calls nothing foreign there either. target_budget: ticks with random budgets, TICKS of
 # them in ten cases. target_interrupt: a registration in a timer's interrupt; on the M7 two runs are the same. target_track: a
-# target that moves, its surfaces and ticks within budgets. target_jobs: the longest pieces of calls in pieces. target_flash, for any
+# target that moves, its surfaces and ticks within budgets. target_ticks: TICKS of 0.05 to 2 ms at 8 ns an instruction. target_jobs: the longest pieces of calls in pieces. target_flash, for any
 # board: a model in flash, the state that the M7 has, and a clock of whole milliseconds.
 set -u
 . tests/checks.inc
@@ -26,6 +26,12 @@ run() { # board, program, ticks
         board_set m7
         file=$(board_build "$2") && same 'the same state on the Cortex-M7' "$(board_run 0 "$file" | grep '^state')" "$state" ;;
     target_budget) check "$board_name: $3 ticks with budgets" board_run 0 "$file" $(($3 / 10)) ;;
+    target_ticks)
+        file=$PWD/$file
+        board_bone_of 5 >"$tmp/check.log" || { not_ok 'the bone'; cat "$tmp/check.log"; return; }
+        here=$PWD
+        cd "$board_bone" && check "$board_name: $3 ticks" board_run 3 "$file" "$3"
+        cd "$here" && cat "$tmp/check.log" ;;
     *)  check "$board_name: $2" board_run 0 "$file"
         cat "$tmp/check.log"
         [ "$1 $2" != 'm7 target_interrupt' ] || same "$board_name: another run" "$(board_run 0 "$file")" "$(cat "$tmp/check.log")" ;;

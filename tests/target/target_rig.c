@@ -99,6 +99,7 @@ static const struct {
     {smr_point_spread_run, SMR_PHASE_FORCES, TARGET_VERTICES, "point spread"},
     {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "fill, sums"},
     {smr_forces_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},
+    {smr_visibility_count, SMR_PHASE_FORCES, TARGET_VERTICES, "visible vertices"},
     {smr_forces_take, SMR_PHASE_FORCES, TARGET_VERTICES, "forces"},
     {smr_rest_pose_sum, SMR_PHASE_SUMS, TARGET_VERTICES, "the last radius' pose"},
     {smr_reference_reach, SMR_PHASE_SUMS, TARGET_VERTICES, "reach"},

@@ -77,7 +77,7 @@ void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
 #define SMR_BEYOND 24u       /* most nodes opened only for a lower bound of the distance to other triangles */
 #define SMR_ROUNDING 2.0e-6f /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */
 #define SMR_WORK_VISIT 30u   /* work of a node that is taken off the stack */
-#define SMR_WORK_NODE 900u   /* work of a node that is opened, and of triangles that its tests leave out */
+#define SMR_WORK_NODE 1200u  /* work of a node that is opened, and of triangles that its tests leave out */
 #define SMR_WORK_TRIANGLE 600u /* work of a triangle that is measured */
 #define SMR_SURELY 1.00001f    /* factor on a distance, so that rounding does not make a triangle surely the closest */
 

@@ -35,7 +35,10 @@ void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight)
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
 /* Returns 1 when at most 70 % of the structure of v is visible, 0 from 90 % on, and values between. */
 float smr_visibility_partial(const smr_surface_goals *g, uint32_t v);
-void smr_visibility_commit(smr_surface_goals *g);    /* when forces are complete: stores and counts visibilities */
+/* Step: counts visibilities. When forces are complete, the next function stores visibilities and their numbers. */
+smr_count_tasks smr_visibility_tasks;
+smr_run_task smr_visibility_count;
+void smr_visibility_commit(smr_surface_goals *g);
 void smr_visibility_note_view(smr_surface_goals *g); /* sets mean normals of vertices that clouds show */
 
 /* ---- clouds of points ---- */

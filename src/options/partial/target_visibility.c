@@ -17,6 +17,7 @@
 #define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance of goals, mm */
 #define SMR_MUTUAL_DISTANCE 0.2f /* part of the tolerance of mutual goals / mean distance of closest points */
 #define SMR_MUTUAL_NONE 1.5f     /* distance / tolerance from which a mutual goal has weight 0; at 1 it has 0.5 */
+#define SMR_VISIBLE_CHUNK 1024u  /* vertices in a task that counts visible ones */
 #define SMR_POINTS_FULL 0.22f    /* weight of points / mean weight from which a vertex is fully visible */
 
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
@@ -184,17 +185,35 @@ void smr_visibility_note_view(smr_surface_goals *g)
     }
 }
 
+uint32_t smr_visibility_tasks(const void *arg)
+{
+    const smr_surface_goals *g = arg;
+    const int counts = g->visibility != NULL && (g->partial || judged_now(g));
+    return counts ? smr_ceil_div(g->schedule->n_active, SMR_VISIBLE_CHUNK) : 0u;
+}
+
+/* Counts the vertices that are visible and judged in the current forces. */
+void smr_visibility_count(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_surface_goals *g = arg;
+    const uint32_t first = task * SMR_VISIBLE_CHUNK;
+    for (uint32_t i = 0; i < g->shared->n_structures && task == 0u; i++)
+        g->target[i].visible_now = g->target[i].judged_now = 0;
+    for (uint32_t v = first; v < smr_min_u32(first + SMR_VISIBLE_CHUNK, g->schedule->n_active); v++) {
+        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+        t->visible_now += g->visibility_next[v] > SMR_VISIBLE_ONE / 2u;
+        t->judged_now += g->shape->on_surface[v]; /* only vertices of triangles are judged */
+    }
+}
+
 void smr_visibility_commit(smr_surface_goals *g)
 {
-    if (g->visibility == NULL || !(g->partial || judged_now(g)))
+    if (smr_visibility_tasks(g) == 0u)
         return;
     memcpy(g->visibility, g->visibility_next, g->schedule->n_active);
-    for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        g->target[i].n_visible = g->target[i].n_judged = 0;
-    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
-        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-        t->n_visible += g->visibility[v] > SMR_VISIBLE_ONE / 2u;
-        t->n_judged += g->shape->on_surface[v]; /* only vertices of triangles are judged */
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        g->target[i].n_visible = g->target[i].visible_now;
+        g->target[i].n_judged = g->target[i].judged_now;
     }
     if (g->schedule->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
         return;

@@ -6,7 +6,7 @@
 
 /* Instructions at most of a vertex' goal but its search on a surface, and of its force; for each control of the field
  * of occluded vertices, for each landmark, and by an image with the default distances. */
-#define SMR_WORK_GOAL 2000u
+#define SMR_WORK_GOAL 2700u
 #define SMR_WORK_FORCE 450u
 #define SMR_WORK_CONTROL 300u
 #define SMR_WORK_LANDMARK 100u

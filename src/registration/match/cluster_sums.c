@@ -5,7 +5,7 @@
 #include "registration/match/cluster_match.h"
 
 /* Instructions at most for an entry or an index, alone and for each word of the records. */
-#define SMR_WORK_ENTRY 60u
+#define SMR_WORK_ENTRY 100u
 #define SMR_WORK_WORD 10u
 #define SMR_WORK_SOME 8000u /* least work for which some of a long list is summed */
 

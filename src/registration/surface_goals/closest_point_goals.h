@@ -15,11 +15,12 @@
 #define SMR_PULL_FULL 0.25f       /* pulling area, in mean areas of a target vertex, from which on pulls count fully */
 
 typedef struct smr_target {
-    const smr_surface *surface;   /* target surface or cloud of a structure; NULL: none */
-    uint32_t partial;             /* 1: goals are weighted by visibility; 0: all goals have full weight */
-    uint32_t n_visible, n_judged; /* number of visible and of judged vertices at the last judgement of visibility */
-    uint32_t had_target;          /* 1: the structure had a target when the current iteration began */
-    uint32_t measured;            /* 1: forces were completed since the target was set or removed */
+    const smr_surface *surface;       /* target surface or cloud of a structure; NULL: none */
+    uint32_t partial;                 /* 1: goals are weighted by visibility; 0: all goals have full weight */
+    uint32_t n_visible, n_judged;     /* number of visible and of judged vertices at the last judgement of visibility */
+    uint32_t visible_now, judged_now; /* the same numbers of the current forces */
+    uint32_t had_target;              /* 1: the structure had a target when the current iteration began */
+    uint32_t measured;                /* 1: forces were completed since the target was set or removed */
     uint32_t n_vertices, changes; /* number of vertices, and change counter, of the surface when the target was set */
     uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
     float spread;                 /* cloud: mean weight of the vertices that points pull */

@@ -155,6 +155,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     /* smooths and searches for contact of the active vertices, whose number is now final; then computes forces */
     SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, 30, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
     SMR_STEP(CONTACT, FORCES, ACTIVE, 0, forces, smr_contact_tasks, smr_contact_search, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 40, forces.surface, smr_visibility_tasks, smr_visibility_count, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
     /* rest pose; where x^r or the active vertices are new: centres, masses and spreads of the clusters */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 15, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
@@ -187,7 +188,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, 90, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, 90, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
     SMR_STEP(PLAIN, EVOLVE, FOLDS, 90, magic, triangles_again, smr_refit_again, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 88, shape, smr_uppers_tasks, smr_uppers_refit, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 70, shape, smr_uppers_tasks, smr_uppers_refit, NULL),
     /* tracking and dynamics: poses of structures, which x^r follows */
     SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, 40, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
     /* displacements; normals; then all results become current at once, and x^r is set to x by plasticity */
@@ -195,7 +196,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_STEP(PLAIN, EVOLVE, TASKS, 4, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 40, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, 10, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 4, magic, vertex_tasks, exchange_normals, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 5, magic, vertex_tasks, exchange_normals, NULL),
     SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, 40, magic, smr_step_energy_tasks, smr_step_energy, NULL),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 90, magic, one_task, smr_commit, NULL),
 };
@@ -221,7 +222,8 @@ uint32_t smr_forces_evaluated(const smr *s)
     if (smr_seeks_forces(&smr_steps[s->step]))
         return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->schedule.n_active);
     const smr_task run = smr_steps[s->step].run;
-    const int found =
-        !smr_forces_pending(s) || run == smr_forces_take || (SMR_HAS_CONTACT && run == smr_contact_search);
+    const int found = !smr_forces_pending(s) || run == smr_forces_take ||
+                      (SMR_HAS_CONTACT && run == smr_contact_search) ||
+                      (SMR_HAS_PARTIAL && run == smr_visibility_count);
     return s->step > 0u && found ? s->schedule.n_active : 0u;
 }

@@ -193,8 +193,13 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
             return SMR_E_STATE;
         n = smr_step_tasks(s, step); /* fold steps get more tasks as they run, cut vertices take tasks away */
     }
-    if (step->end != NULL)
+    if (step->end != NULL) {
+        if (next_stretch(s, w, n) == 0u) /* an end that passes over arrays adds to no stretch of tasks */
+            return SMR_PARTIAL;
+        w->begun = 1;
+        w->current = 0;
         step->end(s);
+    }
     s->next_task = s->n_shares = 0;
     return SMR_OK;
 }
