@@ -7,7 +7,7 @@
 #include "base/job.h"
 #include "target_rig.h"
 
-#define TARGET_PIECE_NS 180000u /* of the longest piece of any call: that of a carried point */
+#define TARGET_PIECE_NS 110000u /* the longest piece of any call */
 #define TARGET_CARRIED 16u      /* bound points */
 
 #define TARGET_JOB_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
