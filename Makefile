@@ -113,7 +113,7 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT
 # ---------------------------------------------------------------- the first target, and the list of all
 
 .PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure1 figure2 soak size \
-        faults stack hashes settings-page golden-update boards timing timing-ticks timing-update shared amalgamation install install-core \
+        faults stack hashes settings-page golden-update boards timing timing-calls timing-ticks timing-update shared amalgamation install install-core \
         install-shared clean
 .DELETE_ON_ERROR:
 
@@ -149,6 +149,7 @@ help:
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
 	@echo 'make timing-ticks    N (10^6) ticks of 0.05 to 2 ms of a bone of 3,600 vertices on the Cortex-M7'
+	@echo 'make timing-calls    instructions of each call on the Cortex-M7, tests/timing/results/calls.txt'
 	@echo 'make timing-update   records that table in tests/timing/results'
 	@echo 'make shared          $(BUILD)/libsmr.so with the functions of smr.h and smr_pthread.h, and no others'
 	@echo 'make amalgamation    the library as one source, smr.c and smr.h, in $(BUILD)/amalgamation'
@@ -470,6 +471,9 @@ timing:
 # N ticks with budgets of 0.05 to 2 ms: 10^6 take a quarter of an hour.
 timing-ticks: $(BUILD)/fixture_write $(PROGRAM)
 	@BUILD="$(BUILD)" SMR_BOARD_SECONDS=7200 sh tests/target/check_boards.sh m7 target_ticks $(or $(N),1000000)
+
+timing-calls: $(BUILD)/fixture_write $(PROGRAM)
+	@BUILD="$(BUILD)" sh tests/timing/calls.sh
 
 timing-update:
 	@BUILD="$(BUILD)" sh tests/target/check_timing.sh --update

@@ -9,6 +9,7 @@
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
+#define SMR_MEASURE_GROUP 4u    /* vertices in a task whose distances are found together */
 #define SMR_MEASURE_PIECE 8u    /* vertices, triangles or points in a task that searches for each of them */
 
 /* Returns the share of a triangle's corners that are visible. */
@@ -87,7 +88,7 @@ static void take_distances(const smr_judgement *j, group *g)
 uint32_t smr_distances_tasks(const void *job)
 {
     const smr_judgement *j = job;
-    return j->by == SMR_BY_SURFACE ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_GROUP_POINTS) : 0u;
+    return j->by == SMR_BY_SURFACE ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_MEASURE_GROUP) : 0u;
 }
 
 /* Finds the distances of a group of vertices. */
@@ -95,7 +96,7 @@ void smr_distances_find(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_judgement *j = job;
     const smr *s = j->s;
-    const smr_piece piece = smr_piece_of(task, SMR_GROUP_POINTS, smr_judged(j)->n_vertices);
+    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_GROUP, smr_judged(j)->n_vertices);
     group g = {.n = 0};
     for (uint32_t i = piece.first; i < piece.last; i++) {
         const uint32_t v = smr_judged_list(j)[i];

@@ -249,7 +249,7 @@ void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coars
 #define SMR_ALIGN_GROUP 10u    /* largest number of poses that are refined together */
 #define SMR_ALIGN_COLLECT 128u /* pairs in a task that adds them to a fit */
 #define SMR_ALIGN_VISITS 2048u /* visits of samples in a task that measures pairs */
-#define SMR_ALIGN_PIECE 4u     /* samples in a task that searches closest points */
+#define SMR_ALIGN_PIECE 2u     /* samples in a task that searches closest points */
 
 /* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
 typedef struct smr_align_work {
