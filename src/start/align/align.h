@@ -139,8 +139,8 @@ static inline float smr_cost_of_sides(float a, float b) { return smr_min(a, b) +
 /* ---- align_closest_points.c: pairs of closest points under a pose ---- */
 
 /* Writes the closest points of a piece of a side's a->used samples on the other side, with the model moved by the pose.
- */
-void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece);
+ * pause: NULL, or limits the work of a piece of one sample. Returns 0 when the work ended; the same call continues. */
+int smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece, smr_pause *pause);
 /* ---- align_measures.c: measures of the pairs, in passes over the samples of both sides ---- */
 
 #define SMR_MEASURE_RANKS 1u  /* bit of `of`: a quantile of each side's distances is found */
@@ -249,7 +249,15 @@ void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coars
 #define SMR_ALIGN_GROUP 10u    /* largest number of poses that are refined together */
 #define SMR_ALIGN_COLLECT 128u /* pairs in a task that adds them to a fit */
 #define SMR_ALIGN_VISITS 2048u /* visits of samples in a task that measures pairs */
-#define SMR_ALIGN_PIECE 2u     /* samples in a task that searches closest points */
+#define SMR_ALIGN_SLICES 4u    /* fewest searches of closest points that are in work together, in pieces */
+#define SMR_ALIGN_WORK 75000u  /* work of a search in a piece, instructions at most */
+#define SMR_ALIGN_PIECE 4u     /* samples in a task that searches closest points */
+
+/* A search of a closest point, which may take several pieces. */
+typedef struct smr_align_slice {
+    smr_pause pause;
+    uint32_t done; /* 1: the search is complete */
+} smr_align_slice;
 
 /* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
 typedef struct smr_align_work {
@@ -276,6 +284,9 @@ typedef struct smr_align_work {
     uint32_t of;         /* SMR_MEASURE_... of the one pose of a list without `into` */
     const float *parts;  /* [SMR_SIDES] share of each side's samples up to which these measures go; NULL: as usual */
     smr_refined group[SMR_ALIGN_GROUP];
+    smr_align_slice *slice;       /* [n_slices] searches in work */
+    uint32_t n_slices, next_pair; /* number of searches in work; first one of them among all pairs of the group */
+    uint32_t at_once;             /* 1: the call has no pieces, and a task does SMR_ALIGN_PIECE searches */
 
     /* the steps of the call */
     uint32_t at;    /* the next step */

@@ -22,7 +22,7 @@ smr_pose smr_pose_invert(const smr_pose *p)
     return q;
 }
 
-void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece)
+int smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece, smr_pause *pause)
 {
     const smr_align_side *from = &a->side[side], *to = &a->side[side == SMR_MODEL ? SMR_TARGET : SMR_MODEL];
     const smr_pose move = side == SMR_MODEL ? *pose : smr_pose_invert(pose);
@@ -35,7 +35,9 @@ void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, s
                              smr_scale(smr_unit(smr_pose_turn(&move, from->normal[i])), sign), min_cos, UINT32_MAX,
                              pair->triangle};
         smr_hit hit = {a->far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
-        smr_surface_search(to->surface, NULL, &q, &hit);
+        smr_certainty known = {-1.0f, 0.0f, 0, pause};
+        if (!smr_surface_search_known(to->surface, NULL, &q, &hit, &known))
+            return 0;
         pair->triangle = hit.triangle;
         pair->d2 = hit.d2 * scale * scale;
         pair->border = 0;
@@ -44,6 +46,7 @@ void smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, s
         pair->at = smr_triangle_point(&to->surface->tree, hit.triangle, hit.weight);
         pair->border = to->surface->open ? smr_surface_on_border(to->surface, hit.triangle, hit.weight) : 0u;
     }
+    return 1;
 }
 
 void smr_align_limit(const smr_aligner *a, uint32_t how, smr_refined *r)

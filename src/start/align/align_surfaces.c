@@ -1,6 +1,6 @@
 /* align_surfaces.c: smr_align() as a job: the work that the steps of align_steps.c request, in parallel over poses and
  * samples. Poses of a list are refined together, as many as there are samples for.
- * Bounds: SMR_ALIGN_PIECE searches, a part of a pose of the coarse search, or SMR_ALIGN_COLLECT pairs in a task.
+ * Bounds: SMR_ALIGN_WORK of a search, a part of a pose of the coarse search, or SMR_ALIGN_COLLECT pairs in a task.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "start/align/align.h"
@@ -46,10 +46,18 @@ static int is_pose(const smr_pose *p)
     return 1;
 }
 
-static void layout(smr_arena *arena, uint32_t n, smr_align_work **work, smr_coarse_place **place, smr_aligner *a)
+static uint32_t n_slices(const smr_align_config *config)
 {
+    return config->port != NULL ? smr_max_u32(config->port->n_workers, SMR_ALIGN_SLICES) : SMR_ALIGN_SLICES;
+}
+
+static void layout(smr_arena *arena, const smr_align_config *config, smr_align_work **work, smr_coarse_place **place,
+                   smr_align_slice **slice, smr_aligner *a)
+{
+    const uint32_t n = config->samples;
     *work = smr_arena_take(arena, 1, sizeof **work);
     *place = smr_arena_take(arena, SMR_ALIGN_PLACES, sizeof **place);
+    *slice = smr_arena_take(arena, n_slices(config), sizeof **slice);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
         a->side[side].point = smr_arena_take(arena, n, sizeof(smr_vec));
         a->side[side].normal = smr_arena_take(arena, n, sizeof(smr_vec));
@@ -62,20 +70,22 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 {
     smr_align_work *work;
     smr_coarse_place *place;
+    smr_align_slice *slice;
     smr_aligner a;
     if (config == NULL || bytes == NULL)
         return SMR_E_NULL;
     if (!is_legal(config))
         return SMR_E_CONFIG;
     smr_arena arena = smr_arena_measure();
-    layout(&arena, config->samples, &work, &place, &a);
+    layout(&arena, config, &work, &place, &slice, &a);
     *bytes = arena.used;
     return SMR_OK;
 }
 
 /* ---- the stages ---- */
 
-enum { SMR_ALIGN_SIDES, SMR_ALIGN_STEP, SMR_ALIGN_SEARCH, SMR_ALIGN_GROUPS, SMR_ALIGN_PAIRS, SMR_ALIGN_MEASURES };
+/* Stages that others go back or on to. */
+enum { SMR_ALIGN_STEP = 1, SMR_ALIGN_GROUPS = 3, SMR_ALIGN_PAIRS, SMR_ALIGN_MEASURES = 6 };
 
 static smr_align_work *work_of(const void *job) { return ((const align_job *)job)->w; }
 
@@ -157,20 +167,58 @@ static smr_aligner aligner_of(const smr_align_work *w, uint32_t i)
     return a;
 }
 
+static uint32_t n_pairs(const smr_align_work *w) { return w->n * SMR_SIDES * w->aligner.used; }
+
 static uint32_t pairs_tasks(const void *job)
 {
     const smr_align_work *w = work_of(job);
-    return w->n * SMR_SIDES * smr_ceil_div(w->aligner.used, SMR_ALIGN_PIECE);
+    return w->at_once ? w->n * SMR_SIDES * smr_ceil_div(w->aligner.used, SMR_ALIGN_PIECE) : w->n_slices;
+}
+
+/* Finds pairs of pose i of the group. Returns 0 when the work ended. */
+static int find_piece(const smr_align_work *w, uint32_t i, uint32_t side, smr_piece piece, smr_pause *pause)
+{
+    const smr_refined *r = &w->group[i];
+    const smr_aligner a = aligner_of(w, i);
+    if (r->state != SMR_REFINE_GOES_ON && (!w->last || r->state == SMR_REFINE_FAILED))
+        return 1;
+    return smr_pairs_find(&a, side, &r->pose, piece, pause);
 }
 
 static void find_some(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_align_work *w = work_of(job);
-    const uint32_t pieces = smr_ceil_div(w->aligner.used, SMR_ALIGN_PIECE), i = task / (SMR_SIDES * pieces);
-    const smr_refined *r = &w->group[i];
-    const smr_aligner a = aligner_of(w, i);
-    if (r->state == SMR_REFINE_GOES_ON || (w->last && r->state != SMR_REFINE_FAILED))
-        smr_pairs_find(&a, task / pieces % SMR_SIDES, &r->pose, smr_piece_of(task % pieces, SMR_ALIGN_PIECE, a.used));
+    const uint32_t used = w->aligner.used, pieces = smr_ceil_div(used, SMR_ALIGN_PIECE), pair = w->next_pair + task;
+    if (w->at_once) {
+        (void)find_piece(w, task / (SMR_SIDES * pieces), task / pieces % SMR_SIDES,
+                         smr_piece_of(task % pieces, SMR_ALIGN_PIECE, used), NULL);
+        return;
+    }
+    smr_align_slice *const slice = &w->slice[task];
+    if (pair >= n_pairs(w) || slice->done)
+        return;
+    slice->pause.left = SMR_ALIGN_WORK;
+    slice->done = (uint32_t)find_piece(w, pair / (SMR_SIDES * used), pair / used % SMR_SIDES,
+                                       (smr_piece){pair % used, pair % used + 1u}, &slice->pause);
+}
+
+/* Goes back to the searches that are not complete, or to the next ones. */
+static void end_pairs(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    align_job *const j = job;
+    smr_align_work *w = j->w;
+    uint32_t left = 0;
+    for (uint32_t k = 0; k < w->n_slices && !w->at_once; k++)
+        left += w->next_pair + k < n_pairs(w) && !w->slice[k].done;
+    if (left == 0u) {
+        for (uint32_t k = 0; k < w->n_slices && !w->at_once; k++)
+            w->slice[k].done = 0;
+        w->next_pair += w->n_slices;
+    }
+    if (left > 0u || (!w->at_once && w->next_pair < n_pairs(w)))
+        j->head.next_stage = SMR_ALIGN_PAIRS;
+    else
+        w->next_pair = 0;
 }
 
 static uint32_t group_tasks(const void *job) { return work_of(job)->n; }
@@ -270,6 +318,7 @@ static const smr_stage stages[] = {
     {try_tasks, try_pose, try_places, take_poses},
     {NULL, begin_group, NULL, NULL},
     {pairs_tasks, find_some, NULL, NULL},
+    {NULL, end_pairs, NULL, NULL},
     {measure_tasks, measure, group_tasks, NULL},
     {group_tasks, find_limit, NULL, NULL},
     {collect_tasks, collect, group_tasks, NULL},
@@ -298,6 +347,7 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     smr_arena arena;
     smr_align_work *w;
     smr_coarse_place *place;
+    smr_align_slice *slice;
     smr_aligner parts;
     if (model == NULL || target == NULL || config == NULL || pose == NULL || job == NULL)
         return SMR_E_NULL;
@@ -310,16 +360,19 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
         return SMR_E_INPUT;
     SMR_TRY(smr_arena_start(&arena, memory, bytes));
     memset(&parts, 0, sizeof parts);
-    layout(&arena, config->samples, &w, &place, &parts);
+    layout(&arena, config, &w, &place, &slice, &parts);
     if (arena.used > bytes)
         return SMR_E_ARENA;
     memset(w, 0, sizeof *w);
+    memset(slice, 0, n_slices(config) * sizeof *slice);
     memset(j, 0, sizeof *j);
     j->head = smr_job_begin(stages, sizeof stages / sizeof stages[0], config->port);
     j->head.guard = is_unchanged;
     j->w = w;
     w->aligner = parts;
     w->place = place;
+    w->slice = slice;
+    w->n_slices = n_slices(config);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
         w->aligner.side[side].surface = surface[side];
         w->aligner.side[side].n = config->samples;
@@ -337,10 +390,13 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     return SMR_OK;
 }
 
+static void run_at_once(smr_job *job) { work_of(job)->at_once = 1; }
+
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report)
 {
     smr_job job;
     SMR_TRY(smr_align_begin(model, target, config, memory, bytes, pose, report, &job));
+    run_at_once(&job);
     return smr_job_step(&job, 0, NULL, 0);
 }
