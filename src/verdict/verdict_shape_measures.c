@@ -8,7 +8,7 @@
 #define SMR_PARTS 24u          /* parts whose rotation is measured */
 #define SMR_PART_RADIUS 0.12f  /* radius of a part / diagonal of the structure's box */
 #define SMR_PART_LEAST 6u      /* fewest vertices of a part */
-#define SMR_PART_PIECE 320u    /* vertices in a task, of which few lie in its part */
+#define SMR_PART_PIECE 192u    /* vertices in a task, of which few lie in its part */
 #define SMR_CLOSED 1.0e-3f     /* largest |sum of area vectors| / area of a closed surface */
 #define SMR_FLAT 1.0e-5f       /* volume / area^1.5 below which a body is flat and its volume not measured */
 #define SMR_EDGE_LEAST 1.0e-6f /* mm: shorter edges are not measured */

@@ -9,7 +9,7 @@
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
-#define SMR_MEASURE_GROUP 4u    /* vertices in a task whose distances are found together */
+#define SMR_MEASURE_GROUP 2u    /* vertices in a task whose distances are found together */
 #define SMR_MEASURE_PIECE 8u    /* vertices, triangles or points in a task that searches for each of them */
 
 /* Returns the share of a triangle's corners that are visible. */

@@ -12,7 +12,7 @@
 #define SMR_LINES 64u          /* largest number of lines of the volume's grid along each of two axes */
 #define SMR_LINE_MM 0.25f      /* smallest distance between two lines, mm */
 #define SMR_LINES_TASK 2u      /* lines in a task */
-#define SMR_VERTICES_TASK 5u   /* vertices in a task */
+#define SMR_VERTICES_TASK 3u   /* vertices in a task */
 #define SMR_CONTACT_LEAVES 24u /* leaves that are tested before the triangles of the near ones are measured */
 #define SMR_CONTACT_PLACES 16u /* tasks whose results wait to be added */
 #define SMR_ROUNDED 1.001f     /* factor on lengths that must not be too short by rounding */

@@ -108,7 +108,7 @@ typedef struct smr_side_work {
     float c[6];            /* covariance of positions, mm^2 */
     float skew[2];         /* third moments along two axes */
     float volume;          /* six times the volume, mm^3 */
-    uint32_t at[2];        /* vertex of the last sample, and number of vertices outside fragments before it */
+    uint32_t at[2];        /* next sample; number of vertices outside fragments so far */
 } smr_side_work;
 
 /* Tasks, in order, that fill *side: samples of its surface, axes, centroid, spread. The caller has set surface and n,

@@ -1,11 +1,11 @@
 /* align_side.c: samples of a surface, its principal axes, and the sign of its volume, in passes of short pieces.
- * Bounds: three passes over the vertices, one over the triangles; the last piece may visit all vertices of fragments.
+ * Bounds: four passes over the vertices, one over the triangles.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align.h"
 #include "geometry/box_tree/triangle.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
-#define SMR_SIDE_PIECE 512u /* vertices, triangles or samples in a task */
+#define SMR_SIDE_PIECE 512u /* vertices or triangles in a task */
 
 /* Each pass adds a piece of the vertices or triangles of the surface to w. The last piece ends the pass. */
 
@@ -74,38 +74,42 @@ static void add_volume(smr_align_side *side, smr_side_work *w, smr_piece piece)
     side->outward = w->volume < 0.0f ? -1.0f : 1.0f;
 }
 
-/* Returns the vertex with `wanted` vertices outside fragments before it. at, in and out: vertex; number before it. */
-static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
+/* Returns the number of vertices outside fragments before that of sample k. */
+static uint32_t wanted_of(const smr_align_side *side, uint32_t k)
 {
-    for (; at[1] < wanted || smr_surface_fragment(s, at[0]); at[0]++)
-        at[1] += !smr_surface_fragment(s, at[0]);
-    return at[0];
+    const uint32_t kept = side->surface->n_vertices - side->surface->n_fragment_vertices;
+    return (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)side->n));
 }
 
-/* Takes the samples of a piece. */
+/* Takes the samples whose vertices lie in the piece. */
 static void take_samples(smr_align_side *side, smr_side_work *w, smr_piece piece)
 {
     const smr_surface *s = side->surface;
     const float inverse = s->area_mean > 0.0f ? 1.0f / s->area_mean : 0.0f;
-    const uint32_t kept = s->n_vertices - s->n_fragment_vertices, n = side->n;
-    for (uint32_t k = piece.first; k < piece.last; k++) {
-        const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), w->at);
-        side->point[k] = smr_get3(s->xyz, i);
-        side->normal[k] = smr_scale(smr_get3(s->normal, i), side->outward);
-        side->weight[k] = s->area[i] * inverse;
-        side->pair[k].triangle = SMR_NONE;
+    uint32_t k = w->at[0], wanted = wanted_of(side, k);
+    for (uint32_t i = piece.first; i < piece.last; i++) {
+        if (smr_surface_fragment(s, i))
+            continue;
+        for (; k < side->n && wanted == w->at[1]; wanted = wanted_of(side, ++k)) {
+            side->point[k] = smr_get3(s->xyz, i);
+            side->normal[k] = smr_scale(smr_get3(s->normal, i), side->outward);
+            side->weight[k] = s->area[i] * inverse;
+            side->pair[k].triangle = SMR_NONE;
+        }
+        w->at[1]++;
     }
+    w->at[0] = k;
 }
 
 static const struct {
     void (*run)(smr_align_side *side, smr_side_work *w, smr_piece piece);
-    uint32_t of; /* what the pass visits: 0 vertices, 1 triangles, 2 samples */
-} passes[] = {{add_centre, 0}, {add_spread, 0}, {add_skew, 0}, {add_volume, 1}, {take_samples, 2}};
+    uint32_t of; /* what the pass visits: 0 vertices, 1 triangles */
+} passes[] = {{add_centre, 0}, {add_spread, 0}, {add_skew, 0}, {add_volume, 1}, {take_samples, 0}};
 
 static uint32_t items_of(const smr_align_side *side, uint32_t pass)
 {
     const smr_surface *s = side->surface;
-    return passes[pass].of == 0u ? s->n_vertices : passes[pass].of == 1u ? s->tree.n_triangles : side->n;
+    return passes[pass].of == 0u ? s->n_vertices : s->tree.n_triangles;
 }
 
 uint32_t smr_align_side_tasks(const smr_align_side *side)
