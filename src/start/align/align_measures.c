@@ -31,7 +31,7 @@ void smr_measure_start(const smr_aligner *a, uint32_t of, const float share[SMR_
 }
 
 /* Counts the digits of samples first .. last-1 of a side in a pass; the last sample of the side finds the digit. */
-static void count(const smr_aligner *a, smr_measure *m, uint32_t pass, uint32_t side, smr_piece k)
+static void count_digits(const smr_aligner *a, smr_measure *m, uint32_t pass, uint32_t side, smr_piece k)
 {
     const uint32_t shift = 28u - 4u * pass, mask = pass > 0u ? UINT32_MAX << (shift + 4u) : 0u;
     uint32_t digit = 0;
@@ -49,7 +49,7 @@ static void count(const smr_aligner *a, smr_measure *m, uint32_t pass, uint32_t 
 }
 
 /* Adds samples first .. last-1 of a side to the sums. A root mean square has sums of both sides. */
-static void add(const smr_aligner *a, smr_measure *m, uint32_t side, smr_piece k)
+static void add_sums(const smr_aligner *a, smr_measure *m, uint32_t side, smr_piece k)
 {
     const smr_align_side *s = &a->side[side];
     const float most = a->limit * a->limit, limit = smr_measure_limit(a, m), quantile = smr_float_of(m->found[side]);
@@ -74,9 +74,9 @@ void smr_measure_run(const smr_aligner *a, smr_measure *m, smr_piece visits)
         const uint32_t pass = at / (SMR_SIDES * a->used), side = at / a->used % SMR_SIDES, k = at % a->used;
         const smr_piece samples = {k, smr_min_u32(a->used, k + visits.last - at)};
         if (pass < rank_passes(m))
-            count(a, m, pass, side, samples);
+            count_digits(a, m, pass, side, samples);
         else
-            add(a, m, side, samples);
+            add_sums(a, m, side, samples);
         at += samples.last - k;
     }
 }

@@ -238,7 +238,7 @@ static uint32_t measure_tasks(const void *job)
     return w->n * smr_ceil_div(smr_measure_visits(&w->aligner, measures_of(w)), SMR_ALIGN_VISITS);
 }
 
-static void measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+static void measure_some(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_align_work *w = work_of(job);
     const uint32_t i = task % w->n, of = measures_of(w);
@@ -319,7 +319,7 @@ static const smr_stage stages[] = {
     {NULL, begin_group, NULL, NULL},
     {pairs_tasks, find_some, NULL, NULL},
     {NULL, end_pairs, NULL, NULL},
-    {measure_tasks, measure, group_tasks, NULL},
+    {measure_tasks, measure_some, group_tasks, NULL},
     {group_tasks, find_limit, NULL, NULL},
     {collect_tasks, collect, group_tasks, NULL},
     {group_tasks, fit, NULL, NULL},
