@@ -320,7 +320,7 @@ typedef struct smr_job {
     uint64_t state[SMR_JOB_BYTES / 8u];
 } smr_job;
 
-/* Continues a job for `units` pieces of 110,000 instructions of a Cortex-M7 at most (0: no limit), or until budget_ns
+/* Continues a job for `units` pieces of about 100,000 instructions of a Cortex-M7 (0: no limit), or until budget_ns
  * have passed by the port's clock (0, or no clock: no limit), to the end of a piece on each worker. port NULL: the
  * call's own port, or none. Limits and threads change no bit. SMR_OK: the results are written. SMR_PARTIAL: work is
  * left. Errors: E_NULL, E_CONFIG (n_workers), E_STATE (no job; a registration that has since got a tick, a setter or
