@@ -141,7 +141,7 @@ static void copy_rest(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_carry *c = b->c;
     const smr_piece p = smr_piece_of(task, SMR_CARRY_PIECE, c->n_vertices);
     for (uint32_t v = p.first; v < p.last; v++) {
-        smr_put3(c->rest, v, smr_sub(smr_get3(b->rest, c->item[v]), c->centre));
+        smr_put3(c->rest, v, smr_sub(smr_get3(b->rest, smr_carry_item(c, v)), c->centre));
         if (v > 0u)
             b->steps += smr_length(smr_sub(smr_get3(c->rest, v), smr_get3(c->rest, v - 1u)));
     }

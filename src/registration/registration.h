@@ -12,6 +12,8 @@
 #include "log/record/log_format.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
+#define SMR_TICKING 0x5a3c6996u /* values far from 0 in bits: a flipped bit does not turn the guard off */
+#define SMR_GUARD_CLOSED 0xc3a59669u
 #define SMR_STEPS_MAX 46u /* largest number of steps of an iteration */
 
 /* Measured costs of steps, and decisions of the time budget (time_budget.c). */
@@ -45,7 +47,7 @@ enum {
 };
 typedef struct smr_guard {
     uint32_t sum[SMR_GUARD_PARTS]; /* HEAD, MODEL (header), TABLES: all that reading positions needs */
-    uint32_t closed;               /* 1: the sums are those of the present state; 0: a call has not ended yet */
+    uint32_t closed;               /* SMR_GUARD_CLOSED: the sums are those of the present state; 0: call not over */
 } smr_guard;
 
 struct smr_scrub_calls;
@@ -77,7 +79,7 @@ struct smr {
     uint32_t step, next_task; /* position of the tick: current step of the iteration; number of its complete tasks */
     uint32_t n_dealt, block;  /* number of the step's tasks that workers have got; number in a block */
     uint32_t n_shares;  /* number of workers among which the step's tasks are divided; 0: the step has not begun */
-    uint32_t ticking;   /* 1: a tick is running, perhaps in this thread: inputs are refused */
+    uint32_t ticking;   /* SMR_TICKING: a tick is running, perhaps in this thread: inputs are refused; else 0 */
     uint32_t refused;   /* 1: the port left out a task or used an illegal worker. Setting positions clears it */
     uint32_t n_awaited; /* number of inputs that must be set again after a restore */
     /* sets an awaited input of this kind (SMR_LOG_...) and number; the pointer is set by smr_restore() */

@@ -35,7 +35,7 @@ static inline int smr_measure_guard(smr_measuring *m, int enter)
     }
     if (enter && (!smr_measurable(s) || s->log.changes != m->changes || s->n_measured != m->turn))
         return 0;
-    s->ticking = (uint32_t)enter; /* back to 0 after a step, so the guard's sums still hold */
+    s->ticking = enter ? SMR_TICKING : 0u; /* back to 0 after a step, so the guard's sums still hold */
     return 1;
 }
 

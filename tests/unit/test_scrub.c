@@ -73,6 +73,23 @@ TEST(what_points_and_counts_is_guarded)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
 }
 
+/* No bit of the two words that can turn the guard off hides another fault. */
+TEST(no_bit_turns_the_guard_off)
+{
+    smr *s = start(0);
+    uint32_t *const word[] = {&s->ticking, &s->guard.closed};
+    for (uint32_t i = 0; i < 64u; i++) {
+        *word[i / 32u] ^= 1u << i % 32u;
+        flip(&s->shape.x, 1);
+        assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_E_DAMAGED, smr_get_positions(s, 0, xyz));
+        flip(&s->shape.x, 1);
+        assert_int_equal(i < 32u ? SMR_E_DAMAGED : SMR_OK, smr_get_positions(s, 0, xyz));
+        *word[i / 32u] ^= 1u << i % 32u;
+    }
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
 /* Each byte of each input is in the round, which finds a changed bit; the round is due again after each iteration. */
 TEST(a_round_finds_what_has_changed)
 {

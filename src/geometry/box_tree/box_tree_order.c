@@ -46,7 +46,10 @@ static int next_range(smr_order *o)
     return 0;
 }
 
-static const float *point_of(const smr_order *o, uint32_t i) { return o->centre + 3u * (size_t)o->order[o->first + i]; }
+static const float *point_of(const smr_order *o, uint32_t i)
+{
+    return o->centre + 3u * (size_t)smr_index(o->order[o->first + i], o->n);
+}
 
 /* Extends the box around the range's centres by the centres from .. to-1. */
 static void grow_box(smr_order *o, uint32_t from, uint32_t to)

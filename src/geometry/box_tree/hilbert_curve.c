@@ -87,7 +87,7 @@ void smr_sort_move(const smr_sort *s, uint32_t pass, uint32_t from, uint32_t to)
     const uint32_t *const key = back ? s->tmp : s->key, *const item = back ? other : s->item;
     uint32_t *const to_key = back ? s->key : s->tmp, *const to_item = back ? s->item : other;
     for (uint32_t i = from; i < to; i++) {
-        const uint32_t at = count[(key[i] >> 8u * pass) & 255u]++;
+        const uint32_t at = smr_index(count[(key[i] >> 8u * pass) & 255u]++, s->n); /* a key may have changed since */
         to_key[at] = key[i];
         to_item[at] = item[i];
     }

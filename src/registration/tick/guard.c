@@ -68,7 +68,7 @@ void smr_guard_close(smr *s)
         s->scrub.seal = s->scrub.calls->seal(s);
     for (uint32_t i = 0; i < SMR_GUARD_PARTS; i++)
         s->guard.sum[i] = part_of(s, i);
-    s->guard.closed = 1;
+    s->guard.closed = SMR_GUARD_CLOSED;
 }
 
 /* How much of a registration is as the last call left it; ALL also while a call is changing it. */
@@ -91,7 +91,7 @@ static smr_status check(const smr *s, int least)
         return SMR_E_NULL;
     if (!smr_valid(s))
         return SMR_E_STATE;
-    return s->ticking || !s->guard.closed || intact(s) >= least ? SMR_OK : SMR_E_DAMAGED;
+    return s->ticking == SMR_TICKING || s->guard.closed == 0u || intact(s) >= least ? SMR_OK : SMR_E_DAMAGED;
 }
 
 smr_status smr_sound(const smr *s) { return check(s, ALL); }

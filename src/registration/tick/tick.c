@@ -302,7 +302,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     if (s->scrub.calls != NULL)
         SMR_TRY(s->scrub.calls->slice(s, budget_ns));
     const uint32_t before = s->schedule.iteration;
-    s->ticking = 1;
+    s->ticking = SMR_TICKING;
     if (!smr_idle(&s->schedule))
         smr_scrub_again(s);
     watch w = begin(s, budget_ns);
