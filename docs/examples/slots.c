@@ -1,11 +1,12 @@
-/* slots.c: saves in two slots of flash. Power that fails at any point of a save leaves the old one or the new one.
+/* slots.c: saves in two slots of flash. Power that fails at any word of a save leaves the old one or the new one.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { NV = 60, UNIT = 64, SAVE = (SMR_SAVE_BYTES(NV, 1, 0, 0, SMR_METHOD_RIGID) / UNIT + 1) * UNIT };
-static _Alignas(SMR_ALIGN) unsigned char scratch[1 << 18], prepared[1 << 17], arena[1 << 16], saved[SAVE], erased[UNIT];
+enum { NV = 60, UNIT = 8, SAVE = (SMR_SAVE_BYTES(NV, 1, 0, 0, SMR_METHOD_RIGID) / UNIT + 1) * UNIT };
+static _Alignas(SMR_ALIGN) unsigned char scratch[1 << 18], prepared[1 << 17], arena[1 << 16], saved[SAVE];
+static const unsigned char erased[UNIT] = {255, 255, 255, 255, 255, 255, 255, 255};
 static struct { uint32_t head[UNIT / 4]; unsigned char save[SAVE]; } flash[2], before[2]; /* head: serial number */
 static uint32_t power = UINT32_MAX; /* units of flash that can still be erased or written; the last one is torn */
 
@@ -51,8 +52,7 @@ int main(void)
     if (status != SMR_OK || !save(s) || smr_tick(s, 0, NULL) != SMR_OK || smr_save_bytes(s, &n) != SMR_OK) return 1;
     memcpy(before, flash, sizeof flash);
     for (int done = 0, k; !done; cut++) { /* the power fails after `cut` units; then the newest save is read */
-        memcpy(flash, before, sizeof flash);
-        power = cut;
+        memcpy(flash, before, sizeof flash), power = cut;
         done = save(s), k = newest(serial);
         lost += serial[k] == 0 || memcmp(flash[k].save, k == 1 ? before[1].save : saved, n) != 0;
     }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # A set of results is a set: whatever system call of the writing fails or is interrupted, a report.json tells of the
-# files beside it, and after a signal that can be caught no temporary file is left.
+# files beside it, and after a signal that can be caught no temporary file is left. Power that goes at a call, or in the midst
+# of a write, and with it half of what was not synced, leaves the old save or the new one.
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
@@ -44,7 +45,7 @@ judge() {
         same_set $claims || echo "report.json of $claims beside other files"
     fi
     case $1 in
-    9 | broken) ;;
+    power | torn | broken) ;;
     *) ls -A out 2>/dev/null | grep -vxE 'a\.ply|b\.ply|carry\.bin|run\.log|report\.json' ;;
     esac
 }
@@ -60,9 +61,9 @@ every() {
         status=$?
         found=$(judge "$by")
         # The last call of all may fail: the set is whole then.
-        [ $status -eq "$wanted" ] || { [ "$by" != 9 ] && [ $status -eq 4 ] && same_set set2; } ||
+        [ $status -eq "$wanted" ] || { [ "$wanted" != 137 ] && [ $status -eq 4 ] && same_set set2; } ||
             found="$found status $status"
-        [ -n "$start" ] || [ "$by" = 9 ] || [ "$by" = broken ] || [ -e out/report.json ] || [ ! -e out ] ||
+        [ -n "$start" ] || [ "$wanted" = 137 ] || [ "$by" = broken ] || [ -e out/report.json ] || [ ! -e out ] ||
             found="$found a directory without report.json is left"
         [ -z "$found" ] || wrong="$wrong call $n: $found;"
         n=$((n + 1))
@@ -78,8 +79,49 @@ for start in set1 ""; do
     [ "${SMR_AGAIN:-0}" = 0 ] || continue # the other signals take the same way, or none
     every "SIGTERM, $where" 15 143 "$start"
     every "SIGHUP, $where" 1 129 "$start"
-    every "SIGKILL, $where" 9 137 "$start"
+    every "power goes, $where" power 137 "$start"
+    every "power goes in the midst of a write, $where" torn 137 "$start"
 done
+
+# save TICKS ARGUMENTS...: registers, and saves after so many ticks.
+save() {
+    save_ticks=$1
+    shift
+    "$SMR" register --model a.ply b.ply --target t2.ply -o out --ticks "$save_ticks" --save out/run.save --threads 1 --quiet "$@"
+}
+for t in 3 5; do
+    rm -rf out && save $t
+    mv out/run.save $t.save
+done
+check "the two saves differ" sh -c "! cmp -s 3.save 5.save"
+"$SMR" register --model a.ply b.ply --target t2.ply -o whole --threads 1 --quiet
+# resumes SAVE: the save leads to the result of one run.
+resumes() {
+    "$SMR" register --model a.ply b.ply --target t2.ply -o rest --resume "$1" --threads 1 --quiet
+    [ "$(hash_of rest)" = "$(hash_of whole)" ]
+}
+for old in 3.save ""; do
+    for by in power torn; do
+        n=1 wrong= last=1 n_new=0
+        while [ $n -le $last ]; do
+            rm -rf out && mkdir out
+            [ -z "$old" ] || cp $old out/run.save
+            LD_PRELOAD=$scratch/stop.so SMR_STOP_AT=$n SMR_STOP_BY=$by save 5 2>err.txt
+            if [ $? -eq 137 ]; then last=$((n + 1)); fi
+            if cmp -s out/run.save 5.save; then n_new=$((n_new + 1))
+            elif [ -n "$old" ]; then cmp -s out/run.save $old || wrong="$wrong $n"
+            elif [ -e out/run.save ]; then wrong="$wrong $n"; fi
+            [ "${SMR_FULL:-0}" = 0 ] || [ ! -e out/run.save ] || resumes out/run.save || wrong="$wrong $n"
+            n=$((n + 1))
+        done
+        [ $last -gt 20 ] && [ $n_new -gt 1 ] || wrong="$wrong: $last calls, $n_new new ones"
+        if [ -z "$wrong" ]; then ok "a save over '$old', $by: old or new after each of $last calls"; else
+            not_ok "a save over '$old', $by: neither old nor new after call$wrong"
+        fi
+    done
+done
+check "the old save goes on" resumes 3.save
+check "the new save goes on" resumes 5.save
 
 # nohup: an ignored signal stays ignored.
 rm -rf out
