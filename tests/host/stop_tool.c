@@ -1,8 +1,9 @@
-/* stop_tool.c: preloaded into smr, fails or signals at the n-th call of a kind. SMR_STOP_AT: n, from 1. SMR_STOP_OF: "out"
- * (calls that make, write, sync, rename or remove an output file; the default), "in" (open, read or close another file)
- * or "memory". SMR_STOP_BY: "fail" (this call), "broken" (this and all later ones), "full" (no room from this call on,
- * which writes half), "power" (goes before the call), "torn" (goes in its midst), or a signal's number, sent before the
- * call. What was not synced is half lost with the power. SMR_STOP_COUNT: a file that gets the number of calls.
+/* stop_tool.c: preloaded into smr, fails or signals at the n-th call of a kind. SMR_STOP_AT: n, from 1. SMR_STOP_OF:
+ * "out" (calls that make, write, sync, rename or remove an output file; the default), "in" (open, read or close another
+ * file) or "memory". SMR_STOP_BY: "fail" (this call), "broken" (this and all later ones), "full" (no room from this
+ * call on, which writes half), "power" (goes before the call), "torn" (goes in its midst), or a signal's number, sent
+ * before the call. What was not synced is half lost with the power. SMR_STOP_COUNT: a file that gets the number of
+ * calls.
  * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 
@@ -20,7 +21,7 @@
 enum { OUT, IN, MEMORY, WRITE };
 enum { FILES_MAX = 256 };
 static long calls;
-static unsigned char dirty[FILES_MAX]; /* 1: written, and not synced since; those closed stay open under another number */
+static unsigned char dirty[FILES_MAX]; /* 1: written, and not synced since; a closed one stays open by another number */
 static int full;                       /* 1: SMR_STOP_BY is "full", and it is */
 
 void *__libc_malloc(size_t n);

@@ -102,7 +102,7 @@ resumes() {
 }
 for old in 3.save ""; do
     for by in power torn; do
-        n=1 wrong= last=1 n_new=0
+        n=1 wrong='' last=1 n_new=0
         while [ $n -le $last ]; do
             rm -rf out && mkdir out
             [ -z "$old" ] || cp $old out/run.save

@@ -94,6 +94,8 @@ int host_port_open(host_port *port, uint32_t threads, host_error *error)
         status = smr_pthread_create(&port->pool, port->memory, bytes, n);
     host_stop_restore(&before);
     if (status != SMR_OK) {
+        if (port->memory == NULL)
+            return host_fail_at(error, "threads", n, "free memory");
         free(port->memory);
         memset(port, 0, sizeof *port);
         return host_fail_at(error, "threads", n, "a system that starts them (%s)", smr_status_name(status));

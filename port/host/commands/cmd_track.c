@@ -110,7 +110,8 @@ static int start(tracked *t, const host_options *options, host_error *error)
 
 static int refuse(const host_frame *frame, smr_status status, host_error *error)
 {
-    return host_fail_of(error, frame->files.path[0], "frame", "surfaces or clouds within the library's limits (%s)",
+    return host_fail_of(error, frame->files.path[0], "frame", "%s (%s)",
+                        status == SMR_E_ARENA ? "free memory" : "surfaces or clouds within the library's limits",
                         smr_status_name(status));
 }
 

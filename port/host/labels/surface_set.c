@@ -239,8 +239,8 @@ static int blame(const host_surface_set *set, host_error *error)
     const char *const slash = error->file != NULL ? strrchr(error->file, '/') : NULL;
     char place[sizeof error->place];
     for (uint32_t i = 0; set->files.n > 0 && i < set->files.frame[0].files.n; i++)
-        if (slash != NULL && set->files.frame[0].files.path[i] == error->file) {
-            (void)snprintf(place, sizeof place, "%.50s: %.40s", slash + 1, error->place);
+        if (set->files.frame[0].files.path[i] == error->file) {
+            (void)snprintf(place, sizeof place, "%.50s: %.40s", slash != NULL ? slash + 1 : error->file, error->place);
             memcpy(error->place, place, sizeof place);
             error->file = set->directory;
             return -1;

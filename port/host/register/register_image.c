@@ -280,7 +280,7 @@ static int warp_by_pairs(host_job *job, const float *from, const float *to, host
     size_t bytes = 0;
     smr_status code = smr_warp_bytes(job->n_landmarks, &bytes);
     if (code == SMR_OK && (job->warp_memory = host_alloc(bytes)) == NULL)
-        code = SMR_E_ARENA;
+        return host_fail(error, "landmarks", "free memory");
     if (code == SMR_OK)
         code = smr_warp_fit(from, to, job->n_landmarks, job->options->smoothing, job->warp_memory, bytes, &job->warp,
                             &job->warp_kind);

@@ -39,7 +39,8 @@ static int host_volume_ratios_set(const host_job *job, host_error *error)
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
-    return host_fail_of(error, "register", place, "input and options within the library's limits (%s)",
+    return host_fail_of(error, "register", place, "%s (%s)",
+                        status == SMR_E_ARENA ? "free memory" : "input and options within the library's limits",
                         smr_status_name(status));
 }
 

@@ -225,7 +225,8 @@ static int align(host_job *job, host_error *error)
     error->file = "--align";
     if (status == SMR_OK)
         return 0;
-    return host_fail(error, "start pose", "surfaces that can be aligned (%s)", smr_status_name(status));
+    return host_fail(error, "start pose", "%s (%s)",
+                     status == SMR_E_ARENA ? "free memory" : "surfaces that can be aligned", smr_status_name(status));
 }
 
 int host_job_make_surfaces(host_job *job, host_error *error)

@@ -180,10 +180,10 @@ static int add_landmarks(making *m, host_error *error)
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
     host_landmarks *const set = calloc(1, sizeof *set);
     uint32_t n = 0;
-    int result = 0;
-    if (set == NULL)
-        return host_fail(error, "output", "free memory");
-    if (files->n == 2 && host_landmark_pairs_read(options, files, set, from, to, &n, error) == 0) {
+    int result = set != NULL ? 0 : host_fail(error, "output", "free memory");
+    if (result == 0 && files->n == 2)
+        result = host_landmark_pairs_read(options, files, set, from, to, &n, error);
+    if (result == 0 && files->n == 2) {
         for (uint32_t i = 0; i < n && axis != HOST_MIRROR_NONE; i++) /* carried from where the model's file has them */
             from[i][axis] = 0.0f - from[i][axis];
         result = add_points(m, set, to, "landmarks", places_color, error);
@@ -191,8 +191,6 @@ static int add_landmarks(making *m, host_error *error)
             result = -1;
         if (result == 0)
             result = add_points(m, set, from, "landmarks_of_the_model", carried_color, error);
-    } else if (files->n == 2) {
-        tell_left_out(m->job, files->path[0], "it cannot be read again");
     }
     free(set);
     return result;
