@@ -72,7 +72,7 @@ typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 typedef struct smr_loop {
     smr_task run;
     void *arg;
-    uint32_t n_workers;
+    uint32_t n_workers, n_tasks;
     uint32_t done[SMR_WORKERS_MAX]; /* sum of 2 task + 1 over the worker's tasks, modulo 2^32 */
 } smr_loop;
 
@@ -81,7 +81,8 @@ static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
     smr_loop *l = arg;
     if (worker >= l->n_workers)
         return; /* the port gave a worker number out of range, for which there is no memory */
-    l->run(l->arg, task, worker);
+    if (task < l->n_tasks)
+        l->run(l->arg, task, worker);
     l->done[worker] += 2u * task + 1u;
 }
 
@@ -91,7 +92,7 @@ static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
 static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
 {
     if (port->parallel != NULL && n_tasks > 1u) {
-        smr_loop loop = {run, arg, port->n_workers, {0}};
+        smr_loop loop = {run, arg, port->n_workers, n_tasks, {0}};
         uint32_t left = n_tasks * n_tasks; /* sum of 2 task + 1 over all tasks, less those done */
         port->parallel(port->ctx, smr_loop_task, &loop, n_tasks);
         for (uint32_t w = 0; w < loop.n_workers; w++)

@@ -1,11 +1,13 @@
 /* test_combinations.c: whatever is switched on together, of contact, fixed surfaces, volumes, smoothing, dynamics,
  * tracking and fusing by logarithms, positions stay finite, and are the same bits with one and with three threads, in
  * any order of tasks, by ticks that a clock cuts, when every task and search stops often, and when local volumes are
- * asked for in between. A combination is refused or runs.
+ * asked for in between. A combination is refused or runs. A port that breaks its contract, in any of them, is told from
+ * one that does not (SMR_TEST_CHAOS: runs of each combination, instead of 2).
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <stdlib.h>
 #include <string.h>
+#include "property/rig_chaos.h"
 #include "property/rig_parts.h"
 #include "registration/tick/iteration_steps.h"
 #include "smr_pthread.h"
@@ -174,4 +176,72 @@ TEST(test_combinations)
     if (getenv("SMR_TEST_SHOW") != NULL)
         print_message("%u of %u combinations are legal, %u stops\n", legal, (uint32_t)COMBINATIONS, world.stops);
     assert_true(legal > COMBINATIONS / 2u && world.stops > 100000u);
+}
+
+/* A tick whose port broke its contract, or did not: refused, with the last positions, or with the bits of the twin. */
+static void tick_in_chaos(rig_chaos *chaos, smr *s, smr *twin, uint64_t budget)
+{
+    static const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const uint32_t before = chaos->broken;
+    const smr_status status = smr_tick(s, budget, NULL);
+    if (chaos->broken > before) {
+        const float *x = rig_positions(s, world.of.model[0]), *y = rig_positions(twin, world.of.model[0]);
+        assert_int_equal(SMR_E_STATE, status);
+        assert_memory_equal(x, y, 3u * world.of.n_vertices * sizeof *x);
+        assert_int_equal(SMR_E_STATE, smr_tick(s, budget, NULL));
+        assert_int_equal(SMR_OK, smr_set_pose(s, &same));
+        assert_int_equal(SMR_OK, smr_set_pose(twin, &same));
+        return;
+    }
+    assert_true(status == SMR_OK || status == SMR_PARTIAL);
+    if (status == SMR_OK)
+        assert_int_equal(SMR_OK, smr_tick(twin, 0, NULL));
+    assert_true(smr_state_hash(s) == smr_state_hash(twin));
+}
+
+/* A verdict in steps: refused, or that of the twin. */
+static void ask_in_chaos(rig_chaos *chaos, const smr_port *port, smr *s, smr *twin)
+{
+    smr_verdict found, wanted;
+    smr_job job;
+    const uint32_t before = chaos->broken;
+    memset(&found, 0, sizeof found);
+    memset(&wanted, 0, sizeof wanted);
+    smr_status status = smr_verdict_begin(s, SMR_ALL, &found, &job);
+    if (status == SMR_OK)
+        for (status = SMR_PARTIAL; status == SMR_PARTIAL;)
+            status = smr_job_step(&job, 0, port, 50000);
+    const int answers = smr_get_verdict(twin, SMR_ALL, &wanted) == SMR_OK;
+    assert_true(status == SMR_OK || status == SMR_E_STATE);
+    if (status == SMR_OK)
+        assert_true(answers && chaos->broken == before && memcmp(&found, &wanted, sizeof found) == 0);
+}
+
+TEST(test_ports_and_clocks_in_chaos)
+{
+    set_up();
+    const char *const more = getenv("SMR_TEST_CHAOS");
+    const uint32_t runs = COMBINATIONS * (more != NULL ? (uint32_t)atoi(more) : 2u);
+    uint32_t broken = 0, seed = 5;
+    for (uint32_t k = 0; k < runs; k++) {
+        const uint32_t what = k % COMBINATIONS;
+        const smr_config config = config_of(what);
+        size_t bytes;
+        rig_chaos chaos;
+        if (smr_arena_bytes(world.of.model[0], &config, &bytes) != SMR_OK)
+            continue;
+        const smr_port port = rig_chaos_port(&chaos, 77u + k, 3, 60);
+        smr *s = start(what, &config, &port), *twin = start(what, &config, NULL);
+        for (uint32_t i = 0; i < 12u; i++) {
+            tick_in_chaos(&chaos, s, twin, k / COMBINATIONS % 2u ? 0u : (uint64_t)1 << (10u + rig_random(&seed, 14)));
+            if (rig_random(&seed, 4) == 0u)
+                ask_in_chaos(&chaos, &port, s, twin);
+        }
+        broken += chaos.broken;
+        rig_free(s);
+        rig_free(twin);
+    }
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        print_message("%u loops broke the contract\n", broken);
+    assert_true(broken > COMBINATIONS);
 }

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
+#include "property/rig_chaos.h"
 #include "registration/registration.h"
 
 /* Runs tasks in order. `meddle`: the first one of each loop is followed by calls that must be refused.
@@ -150,6 +151,65 @@ TEST(notices_tasks_left_out)
         p.drop = 0;
         assert_goes_on(s, twin);
     }
+}
+
+/* Prepares a model, binds points to it and aligns it, on a port. Each is refused when the port broke its contract, and
+ * otherwise has the bytes at `want`; NULL: keeps them. */
+typedef struct made {
+    _Alignas(SMR_ALIGN) unsigned char model[1u << 18];
+    float carried[3 * 512];
+    smr_align_report found;
+} made;
+
+static void make(rig_chaos *chaos, const smr_port *port, made *m, const made *want)
+{
+    const smr_structure one = {"", ball};
+    smr_prepare_config config = rig_radii(2, 25, 15, 0);
+    smr_align_config align = smr_align_config_default();
+    smr_carry *carry = NULL;
+    smr_pose pose;
+    size_t bytes, model_bytes;
+    uint32_t before = chaos->broken;
+    memset(m, 0, sizeof *m);
+    config.port = align.port = port;
+    assert_int_equal(SMR_OK, smr_prepare_bytes(&one, 1, &config, &bytes));
+    smr_status status = smr_prepare(&one, 1, &config, rig_rough(bytes), bytes, m->model, sizeof m->model, &model_bytes);
+    assert_int_equal(chaos->broken > before ? SMR_E_STATE : SMR_OK, status);
+    if (want != NULL && status == SMR_OK)
+        assert_memory_equal(want->model, m->model, model_bytes);
+    before = chaos->broken;
+    assert_int_equal(SMR_OK, smr_carry_bytes(ball.n_vertices, goal.n_vertices, port->n_workers, &bytes));
+    status = smr_carry_fit(ball.xyz, ball.n_vertices, goal.xyz, goal.n_vertices, port, rig_rough(bytes), bytes, &carry);
+    if (status == SMR_OK)
+        status = smr_carry_apply(carry, ball.xyz, m->carried);
+    assert_int_equal(chaos->broken > before ? SMR_E_STATE : SMR_OK, status);
+    if (want != NULL && status == SMR_OK)
+        assert_memory_equal(want->carried, m->carried, sizeof m->carried);
+    before = chaos->broken;
+    align.samples = 64;
+    assert_int_equal(SMR_OK, smr_align_bytes(&align, &bytes));
+    status = smr_align(rig_surface(&ball), rig_surface(&goal), &align, rig_rough(bytes), bytes, &pose, &m->found);
+    assert_int_equal(chaos->broken > before ? SMR_E_STATE : SMR_OK, status);
+    if (want != NULL && status == SMR_OK)
+        assert_memory_equal(&want->found, &m->found, sizeof m->found);
+}
+
+TEST(other_calls_in_chaos)
+{
+    static made want, m;
+    const float off[3] = {5, 3, -2};
+    rig_chaos chaos;
+    uint32_t broken = 0;
+    for (uint32_t i = 0; i < 40u; i++) {
+        ball = rig_ball(30, 12, 14, none);
+        goal = rig_ball(35, 12, 16, off);
+        assert_true(goal.n_vertices <= 512u);
+        const smr_port port = rig_chaos_port(&chaos, i + 1u, 2, i == 0u ? 0u : 15u);
+        make(&chaos, &port, i == 0u ? &want : &m, i == 0u ? NULL : &want);
+        broken += chaos.broken;
+        rig_free_all();
+    }
+    assert_true(broken > 20u);
 }
 
 TEST(refuses_a_copied_arena)
