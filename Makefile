@@ -138,6 +138,7 @@ help:
 	@echo 'make coverage        lines and branches of src that the tests run, by folder; 5 minutes'
 	@echo 'make mutants         plants N=200 faults, drawn by SEED=1, and counts those that the tests find; an hour'
 	@echo 'make faults          flips N=100000 bits between ticks, drawn by SEED=1, and counts what follows; 10 minutes'
+	@echo 'make fuzz            fuzzes each target SECONDS=60 under sanitisers, from the kept corpora (clang)'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make settings-page   writes $(BUILD)/SETTINGS.md from the tables of settings'
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
@@ -372,6 +373,11 @@ check-quick: all $(UNIT_TESTS) $(BUILD)/golden
 faults: $(BUILD)/faults $(PROGRAM) $(HOST_TOOLS)
 	@for kind in bare seal; do echo "$$kind:"; $(BUILD)/faults $(or $(N),100000) $(or $(SEED),1) $$kind || exit 1; done
 	@for part in stop failing; do BUILD="$(BUILD)" SMR="$(BUILD)/smr" CC="$(CC)" SMR_FULL=1 sh tests/host/test_host_$$part.sh || exit 1; done
+
+.PHONY: fuzz
+SECONDS ?= 60
+fuzz:
+	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" sh tests/fuzz/fuzz.sh $(SECONDS) $(KEEP)
 
 experiments: all $(CASE_TOOL)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" CFLAGS="$(CFLAGS)" sh $(EXPERIMENTS) full

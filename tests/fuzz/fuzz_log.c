@@ -1,10 +1,6 @@
 /* fuzz_log.c: any bytes as the records of a log, or as the configuration in its header, are refused or replayed without
  * harm. The rest of the header is valid and checksums are repaired first, so that the fuzzer gets past them. Runs as a
- * regression test in tests/unit/test_fuzz.c. As a fuzzer:
- *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
- *     -Ifixtures -Itests tests/fuzz/fuzz_log.c tests/unit/unit_log.c tests/property/rig.c fixtures/fixture_bone.c \
- *     fixtures/fixture_net.c fixtures/fixture_shape.c fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_log
- * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
+ * regression test in tests/unit/test_fuzz.c, as a fuzzer by `make fuzz`.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
 #include <stdio.h>
@@ -44,7 +40,7 @@ int fuzz_log(const uint8_t *data, size_t size)
     smr_replay_report report = {0};
     smr *s = NULL;
     if (arena == NULL) {
-        unit_log_make_kinds(&u);
+        unit_log_make_kinds(&u, 1);
         (void)smr_arena_bytes(u.model, &u.config, &arena_bytes);
         arena = rig_alloc(arena_bytes);
     }

@@ -1,6 +1,5 @@
 /* fuzz_mesh.c: any bytes as meshes for smr_surface_build() and smr_prepare() are refused, or give a surface or model
- * that works. Layout of the bytes: 16 of switches, then vertices and triangles of two structures (see take_mesh). As
- * a fuzzer: as fuzz_model_open.c, with this file in its place.
+ * that works. Layout of the bytes: 16 of switches, then vertices and triangles of two structures (see take_mesh).
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
 #include <stdio.h>
@@ -67,23 +66,27 @@ static const char *query(const smr_surface *s, const unit_mesh *m)
 }
 
 static const char *prepare(const smr_structure *s, uint32_t n, const smr_prepare_config *c, const smr_surface *target,
-                           uint32_t target_vertices, int *done)
+                           uint32_t target_vertices, uint32_t how, int *done)
 {
     size_t scratch_bytes = 0, bytes = 0;
     if (smr_prepare_bytes(s, n, c, &scratch_bytes) != SMR_OK)
         return NULL;
+    static _Alignas(SMR_ALIGN) unsigned char room[1u << 17];
     void *scratch = rig_rough(scratch_bytes), *image = NULL;
     const smr_model *model = NULL;
     const char *wrong = NULL;
-    if (smr_prepare(s, n, c, scratch, scratch_bytes, NULL, 0, &bytes) == SMR_OK) {
+    const int exact = how == UNIT_ALL; /* into memory to the byte, which takes two calls */
+    if (smr_prepare(s, n, c, scratch, scratch_bytes, exact ? NULL : room, exact ? 0u : sizeof room, &bytes) == SMR_OK) {
         image = rig_rough(bytes);
         *done = 1;
-        if (smr_prepare(s, n, c, scratch, scratch_bytes, image, bytes, &bytes) != SMR_OK)
+        if (!exact)
+            memcpy(image, room, bytes);
+        if (exact && smr_prepare(s, n, c, scratch, scratch_bytes, image, bytes, &bytes) != SMR_OK)
             wrong = "the second smr_prepare";
         else if (smr_model_open(image, bytes, &model) != SMR_OK)
             wrong = "smr_model_open of what smr_prepare wrote";
         else
-            wrong = unit_exercise(model, target, target_vertices, 1);
+            wrong = unit_exercise(model, target, target_vertices, how);
     }
     rig_free(scratch);
     rig_free(image);
@@ -101,12 +104,13 @@ int fuzz_mesh(const uint8_t *data, size_t size)
     c.ring = switches >> 3 & 1u;
     c.block_vertices = switches >> 4 & 1u ? 16u : 0u;
     c.n_radii = switches >> 5 & 3u;
+    const uint32_t how = switches >> 12 & 7u; /* most runs are short */
     const int raw = (switches >> 8 & 7u) == 7u;
     c.separate_below_mm = switches >> 7 & 1u ? 0.0f : -1.0f;
     for (uint32_t i = 0; i < 4u; i++)
         c.radius_mm[i] = (float)(take(&in, 2) + 1u) / 16.0f;
     unit_mesh m[2];
-    m[0] = take_mesh(&in, 1u + (shape & 63u), shape >> 8 & 63u, raw);
+    m[0] = take_mesh(&in, 1u + (shape & 31u), shape >> 8 & 31u, raw);
     m[1] = take_mesh(&in, 1u + (shape >> 16 & 15u), shape >> 24 & 15u, 0);
     const smr_structure two[2] = {{"fuzz", unit_view(&m[0])}, {NULL, unit_view(&m[1])}};
     smr_surface *target = make_surface(&m[1]);
@@ -114,7 +118,7 @@ int fuzz_mesh(const uint8_t *data, size_t size)
     int done = 0;
     const char *wrong = own == NULL ? NULL : query(own, &m[0]);
     if (wrong == NULL)
-        wrong = prepare(two, 1u + (switches >> 11 & 1u), &c, target, m[1].nv, &done);
+        wrong = prepare(two, 1u + (switches >> 11 & 1u), &c, target, m[1].nv, how < 3u ? 0u : how & UNIT_ALL, &done);
     rig_free(target);
     rig_free(own);
     unit_mesh_free(&m[0]);

@@ -1,11 +1,5 @@
 /* fuzz_model_open.c: any bytes as a model are refused or harmless in use. Length and checksum are repaired first, so
- * that the fuzzer gets past them. Runs as a regression test in tests/unit/test_fuzz.c. As a fuzzer:
- *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
- *     -Ifixtures -Itests tests/fuzz/fuzz_model_open.c tests/unit/unit_mesh.c tests/unit/unit_exercise.c \
- *     tests/property/rig.c tests/unit/oracle.c fixtures/fixture_bone.c fixtures/fixture_net.c \
- *     fixtures/fixture_shape.c \
- *     fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_model_open
- * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
+ * that the fuzzer gets past them.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
 #include <stdio.h>
@@ -30,7 +24,7 @@ int fuzz_model_open(const uint8_t *data, size_t size)
     const smr_model *model = NULL;
     int opened = 0;
     if (smr_model_open(image, size, &model) == SMR_OK) {
-        const char *wrong = unit_exercise(model, target, 18, 1);
+        const char *wrong = unit_exercise(model, target, 18, UNIT_ALL);
         opened = 1;
         if (wrong != NULL) {
             (void)fprintf(stderr, "fuzz_model_open: %s\n", wrong);

@@ -15,6 +15,8 @@ static const uint32_t hostile[] = {
     0x3f800000u, 0x000000ffu, 0x0000ffffu, 0x00989680u,
 };
 
+static unit_save whole;
+
 #define HOSTILE (sizeof hostile / sizeof hostile[0])
 
 static void put(unsigned char *to, uint32_t word)
@@ -31,13 +33,13 @@ TEST(test_words)
     static unsigned char values[UNIT_SAVE_BYTES];
     size_t end = 0;
     uint32_t ran = 0, refused = 0;
-    const unit_save *u = fuzz_saved();
+    const unit_save *u = &whole;
     const size_t first = unit_save_values(u->saved, &end), n = end - first, fields = n - 400u;
     for (size_t at = 0; at + 4u <= n; at += at < fields ? 4u * STRIDE : 4u) {
         for (uint32_t k = at < fields ? (uint32_t)(at / 4u % 3u) : 0u; k < HOSTILE; k += at < fields ? 3u : 1u) {
             memcpy(values, u->saved + first, n);
             put(values + at, hostile[k]);
-            const int result = fuzz_save(values, n);
+            const int result = fuzz_save_of(u, values, n);
             if (result < 0)
                 fail_msg("word %zu as %08x", at / 4u, (unsigned)hostile[k]);
             ran += (uint32_t)result;
@@ -56,7 +58,7 @@ TEST(test_runs_of_words)
     static const uint32_t legal[] = {0x49f42400u, 0xc9f42400u, 0, 0x49742400u, 1, 0xffffffffu};
     size_t end = 0;
     uint32_t seed = 5, ran = 0;
-    const unit_save *u = fuzz_saved();
+    const unit_save *u = &whole;
     const size_t first = unit_save_values(u->saved, &end), n = end - first;
     for (uint32_t i = 0; i < 300u; i++) {
         memcpy(values, u->saved + first, n);
@@ -68,7 +70,7 @@ TEST(test_runs_of_words)
                 put(values + 4u * (size_t)(from + j), word);
             }
         }
-        const int result = fuzz_save(values, n);
+        const int result = fuzz_save_of(u, values, n);
         assert_true(result >= 0);
         ran += (uint32_t)result;
     }
@@ -152,10 +154,11 @@ TEST(test_moving)
     assert_true(ran > 50u && refused > 150u);
 }
 
-/* Kept for all tests, as what fuzz_save() makes once is. */
+/* Kept for all tests. */
 static int set_up(void **state)
 {
     (void)state;
+    unit_save_make(&whole, UNIT_SAVE_ALL);
     make_moving();
     return 0;
 }

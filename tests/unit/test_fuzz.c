@@ -121,7 +121,7 @@ TEST(logs)
     static uint8_t copy[UNIT_LOG_BYTES];
     oracle_random r = oracle_seed(203);
     uint32_t repeated = 0;
-    unit_log_make_kinds(&seed);
+    unit_log_make_kinds(&seed, 1);
     const uint32_t n = unit_log_records(seed.log, seed.bytes);
     const uint8_t *records = seed.log + SMR_LOG_HEADER;
     const uint32_t whole = (uint32_t)(seed.bytes - SMR_LOG_HEADER);
@@ -160,29 +160,32 @@ TEST(logs)
     rig_free_all();
 }
 
-/* Kept values of a real save: bytes and words changed, copied, cut off. */
+/* Kept values of real saves, behind a byte that says which: bytes and words changed, copied, cut off. */
 TEST(saves)
 {
-    static uint8_t copy[UNIT_SAVE_BYTES];
+    static uint8_t copy[1u + UNIT_SAVE_BYTES];
     oracle_random r = oracle_seed(204);
-    const unit_save *u = fuzz_saved();
-    size_t end = 0;
-    const size_t first = unit_save_values(u->saved, &end), whole = end - first;
     uint32_t restored = 0;
-    save("save", 0, u->saved + first, whole);
     assert_int_equal(fuzz_save(NULL, 0), 1);
     for (uint32_t i = 0; i < 400u; i++) {
-        memcpy(copy, u->saved + first, whole);
+        const unit_save *u = fuzz_saved(i);
+        size_t end = 0;
+        const size_t first = unit_save_values(u->saved, &end), whole = end - first;
+        uint8_t *values = copy + 1;
+        copy[0] = (uint8_t)i;
+        memcpy(values, u->saved + first, whole);
+        if (i < 2u)
+            save("save", i, copy, 1u + whole);
         for (uint32_t k = 1u + oracle_below(&r, 3u); k > 0u; k--) {
             const uint32_t from = oracle_below(&r, (uint32_t)whole / 4u), to = oracle_below(&r, (uint32_t)whole / 4u);
             const uint32_t last = (uint32_t)whole - 1u - oracle_below(&r, 300u);
             switch (oracle_below(&r, 3u)) {
-            case 0: copy[4u * to + oracle_below(&r, 4u)] = (uint8_t)oracle_next(&r); break;
-            case 1: copy[last] = (uint8_t)(copy[last] + 1u); break;
-            default: memmove(copy + 4u * (size_t)to, copy + 4u * (size_t)from, 4u); break;
+            case 0: values[4u * to + oracle_below(&r, 4u)] = (uint8_t)oracle_next(&r); break;
+            case 1: values[last] = (uint8_t)(values[last] + 1u); break;
+            default: memmove(values + 4u * (size_t)to, values + 4u * (size_t)from, 4u); break;
             }
         }
-        const int result = fuzz_save(copy, 1u + oracle_below(&r, (uint32_t)whole));
+        const int result = fuzz_save(copy, 2u + oracle_below(&r, (uint32_t)whole));
         if (result < 0)
             fail_msg("save %u", (unsigned)i);
         restored += (uint32_t)result;

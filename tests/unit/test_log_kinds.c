@@ -15,7 +15,7 @@ static unsigned char forged[UNIT_LOG_BYTES];
 static int set_up(void **state)
 {
     (void)state;
-    unit_log_make_kinds(&u);
+    unit_log_make_kinds(&u, 0);
     return 0;
 }
 

@@ -80,7 +80,7 @@ TEST(unknown_optional_ones_are_skipped)
     world w = make();
     const smr_model *model;
     assert_int_equal(open_now(&w, &model), SMR_OK);
-    assert_null(unit_exercise(model, w.target, 18, 1));
+    assert_null(unit_exercise(model, w.target, 18, UNIT_ALL));
     assert_int_equal(open_with(&w, &w.table[1].bytes, 0), SMR_OK);
 }
 

@@ -295,7 +295,7 @@ static void must_work(const smr_structure *structures, uint32_t n, const smr_sur
         c.n_radii = i >> 3 & 1u;
         c.radius_mm[0] = 4.0f;
         unit_image image = unit_prepare(structures, n, &c);
-        const char *wrong = unit_exercise(image.model, target, 66, (int)(i & 1u));
+        const char *wrong = unit_exercise(image.model, target, 66, UNIT_JUDGED + (i & 1u));
         if (wrong != NULL)
             fail_msg("configuration %u: %s", i, wrong);
         unit_image_free(&image);

@@ -12,7 +12,7 @@ static unit_save u;
 static int set_up(void **state)
 {
     (void)state;
-    unit_save_make(&u);
+    unit_save_make(&u, UNIT_SAVE_ALL);
     unit_log_make(&unit_recorded);
     return 0;
 }

@@ -9,7 +9,7 @@ static unit_save u;
 static int set_up(void **state)
 {
     (void)state;
-    unit_save_make(&u);
+    unit_save_make(&u, UNIT_SAVE_ALL);
     return 0;
 }
 

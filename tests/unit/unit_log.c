@@ -7,21 +7,22 @@
 
 smr *unit_log_begin(const unit_log *u, const smr_port *port) { return rig_init(u->model, &u->config, port); }
 
-static void ticks(smr *s, uint32_t n, uint32_t *seed)
+static void ticks(const unit_log *u, smr *s, uint32_t n, uint32_t *seed)
 {
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = 0; i < (u->small ? 1u : n); i++)
         (void)smr_tick(s, 5000u * (100u + rig_random(seed, 900)), NULL);
 }
 
 /* The ball, its targets, the model and what both recordings have of the configuration. */
-static void make_scene(unit_log *u)
+static void make_scene(unit_log *u, int small)
 {
     const float none[3] = {0, 0, 0}, off[3] = {4, -3, 2};
     const smr_prepare_config prepare = rig_radii(2, 40.0f, 15.0f, 0.0f);
     memset(u, 0, sizeof *u);
-    u->ball = rig_ball(30.0f, 8, 12, none);
+    u->small = small;
+    u->ball = rig_ball(30.0f, small ? 3u : 8u, small ? 5u : 12u, none);
     for (uint32_t i = 0; i < 2u; i++) {
-        u->goal[i] = rig_ball(33.0f - 7.0f * (float)i, 9, 14, i == 0u ? off : none);
+        u->goal[i] = rig_ball(33.0f - 7.0f * (float)i, small ? 5u : 9u, small ? 8u : 14u, i == 0u ? off : none);
         u->surface[i] = rig_surface(&u->goal[i]);
     }
     u->model = rig_model(&u->ball, 1, &prepare);
@@ -45,14 +46,14 @@ void unit_log_make(unit_log *u)
     rig_clock clock;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 35000);
     uint32_t seed = 5;
-    make_scene(u);
+    make_scene(u, 0);
     smr *s = unit_log_begin(u, &port);
     (void)smr_set_log(s, u->log, sizeof u->log);
     (void)smr_set_pose(s, &pose);
     (void)smr_set_surface(s, SMR_ALL, u->surface[0]);
-    ticks(s, 20, &seed);
+    ticks(u, s, 20, &seed);
     (void)smr_set_surface(s, SMR_ALL, u->surface[1]);
-    ticks(s, 20, &seed);
+    ticks(u, s, 20, &seed);
     end_log(u, s);
 }
 
@@ -88,21 +89,22 @@ static void make_inputs(unit_log *u)
 /* The landmarks' places are `by` away; one is at rest beside the surface, the last is hard. */
 static void set_landmarks(smr *s, const unit_log *u, float by)
 {
-    smr_landmark mark[3] = {
-        {0, 5, {0}, {0}, 2, 0}, {SMR_ALL, SMR_NONE, {0, 0, 33}, {0}, 0.5f, 0}, {0, 40, {0}, {0}, 0, 1}};
+    smr_landmark mark[3] = {{0, 5, {0}, {0}, 2, 0},
+                            {SMR_ALL, SMR_NONE, {0, 0, 33}, {0}, 0.5f, 0},
+                            {0, 40u % u->ball.n_vertices, {0}, {0}, 0, 1}};
     for (uint32_t i = 0; i < 3u; i++)
         for (uint32_t c = 0; c < 3u; c++)
             mark[i].place[c] = (i == 1u ? mark[i].rest[c] : u->ball.xyz[3u * mark[i].vertex + c]) + by;
     (void)smr_set_landmarks(s, mark, 3);
 }
 
-void unit_log_make_kinds(unit_log *u)
+void unit_log_make_kinds(unit_log *u, int small)
 {
     const smr_pose pose = {{{1, 0, 0, 1.5f}, {0, 1, 0, -0.5f}, {0, 0, 1, 0}}};
     rig_clock clock;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
     uint32_t seed = 6;
-    make_scene(u);
+    make_scene(u, small);
     make_inputs(u);
     u->config.partial.n_landmarks = 4;
     u->config.caller.goals = 1;
@@ -122,28 +124,28 @@ void unit_log_make_kinds(unit_log *u)
     (void)smr_set_positions(s, 0, u->ball.xyz);
     (void)smr_set_pose(s, &pose);
     set_landmarks(s, u, 1.0f);
-    ticks(s, 6, &seed);
+    ticks(u, s, 6, &seed);
     (void)smr_set_volume_ratio(s, 0, 1.1f);
     (void)smr_set_goals(s, 0, u->goals[0].xyz, NULL);
     (void)smr_set_force(s, u->force.force, u->force.ctx);
-    ticks(s, 8, &seed);
+    ticks(u, s, 8, &seed);
     for (uint32_t i = 0; i < 2u; i++) {
         (void)smr_set_points(s, 0, u->cloud[i]);
         (void)smr_set_volume_ratio(s, SMR_ALL, 0.8f + 0.1f * (float)i);
         (void)smr_set_active(s, 70u * i);
         (void)smr_set_fixed(s, 0, i == 0u ? u->surface[1] : NULL);
-        ticks(s, 6, &seed);
+        ticks(u, s, 6, &seed);
     }
     set_landmarks(s, u, 2.0f);
     (void)smr_set_goals(s, 0, u->goals[1].xyz, u->goals[1].weights);
-    ticks(s, 6, &seed);
+    ticks(u, s, 6, &seed);
     (void)smr_set_landmarks(s, NULL, 0);
     (void)smr_set_goals(s, 0, NULL, NULL);
     (void)smr_set_force(s, NULL, NULL);
     (void)smr_set_points(s, SMR_ALL, NULL);
     for (uint32_t i = 0; i < 2u; i++) {
         (void)smr_set_surface(s, SMR_ALL, u->surface[i]);
-        ticks(s, 6, &seed);
+        ticks(u, s, 6, &seed);
     }
     end_log(u, s);
 }
@@ -153,7 +155,7 @@ void unit_log_make_motion(unit_log *u)
     rig_clock clock;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
     uint32_t seed = 7;
-    make_scene(u);
+    make_scene(u, 0);
     const uint32_t n = u->ball.n_vertices;
     float *mass = rig_alloc(n * sizeof *mass), *velocity = rig_alloc(3u * n * sizeof *velocity);
     for (uint32_t i = 0; i < n; i++)
@@ -165,11 +167,11 @@ void unit_log_make_motion(unit_log *u)
     smr *s = unit_log_begin(u, &port);
     (void)smr_set_log(s, u->log, sizeof u->log);
     (void)smr_set_motion(s, 0, mass, velocity);
-    ticks(s, 12, &seed);
+    ticks(u, s, 12, &seed);
     (void)smr_set_surface(s, SMR_ALL, u->surface[0]);
-    ticks(s, 12, &seed);
+    ticks(u, s, 12, &seed);
     (void)smr_set_motion(s, 0, mass, velocity);
-    ticks(s, 12, &seed);
+    ticks(u, s, 12, &seed);
     end_log(u, s);
 }
 

@@ -18,6 +18,7 @@ typedef struct unit_log {
     smr_caller_force force;
     smr_motion motion; /* of unit_log_make_motion() only */
     uint32_t ticks;
+    int small;
     unsigned char log[UNIT_LOG_BYTES];
     size_t bytes;
 } unit_log;
@@ -27,8 +28,8 @@ typedef struct unit_log {
 void unit_log_make(unit_log *u);
 
 /* With every kind of record but an image's: landmarks, goals and a force of the caller's own, clouds, positions, all
- * of them taken away again; the schedule is short and targets are followed after it. */
-void unit_log_make_kinds(unit_log *u);
+ * of them taken away again; the schedule is short and targets are followed after it. small: 12 vertices, few ticks. */
+void unit_log_make_kinds(unit_log *u, int small);
 
 /* With dynamics: masses and velocities, a surface, both again. */
 void unit_log_make_motion(unit_log *u);

@@ -6,40 +6,45 @@
 #include "property/rig.h"
 #include "log/record/log_format.h"
 
-#define SIDE 30u
+#define SIDE_MM 90.0f
 
-/* A bright ball around (38, 0, 0) + shift. */
-static smr_volume image_of(float shift)
+/* A bright ball around (38, 0, 0) + shift. side: number of voxels along each axis. */
+static smr_volume image_of(float shift, uint32_t side)
 {
     float *voxels = NULL;
-    smr_volume v = rig_cube(SIDE, 3.0f, &voxels);
+    const float step = SIDE_MM / (float)side;
+    smr_volume v = rig_cube(side, step, &voxels);
     v.origin[0] += 38.0f;
-    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
-        const float x = v.origin[0] + 3.0f * (float)(i % SIDE) - 38.0f - shift,
-                    y = v.origin[1] + 3.0f * (float)(i / SIDE % SIDE),
-                    z = v.origin[2] + 3.0f * (float)(i / SIDE / SIDE);
+    for (uint32_t i = 0; i < side * side * side; i++) {
+        const float x = v.origin[0] + step * (float)(i % side) - 38.0f - shift,
+                    y = v.origin[1] + step * (float)(i / side % side),
+                    z = v.origin[2] + step * (float)(i / side / side);
         voxels[i] = x * x + y * y + z * z < 400.0f ? 200.0f : 20.0f;
     }
     return v;
 }
 
-void unit_save_make(unit_save *u)
+void unit_save_make(unit_save *u, uint32_t what)
 {
     const float at[2][3] = {{0, 0, 0}, {38, 0, 0}}, off[3] = {2, -2, 1};
+    const int small = what != UNIT_SAVE_ALL;
+    const uint32_t side = small ? 12u : 30u;
     smr_prepare_config prepare = rig_radii(2, 40.0f, 15.0f, 0.0f);
     memset(u, 0, sizeof *u);
+    u->what = what;
     for (uint32_t i = 0; i < 2u; i++)
-        u->ball[i] = rig_ball(20.0f, 7, 10, at[i]);
+        u->ball[i] = rig_ball(20.0f, small ? 4u : 7u, small ? 6u : 10u, at[i]);
     const smr_mesh goal = rig_ball(22.0f, 8, 11, off), other = rig_ball(21.0f, 8, 11, off);
     u->surface = rig_surface(&goal);
     u->copy = rig_surface(&goal);
     u->other = rig_surface(&other);
-    u->volume = image_of(2.0f);
-    u->other_volume = image_of(1.0f);
-    const smr_volume reference = image_of(0.0f);
-    prepare.reference = &reference;
+    u->volume = image_of(2.0f, side);
+    u->other_volume = image_of(1.0f, side);
+    const smr_volume reference = image_of(0.0f, side);
+    if (what != UNIT_SAVE_SURFACES)
+        prepare.reference = &reference;
     u->model = rig_model(u->ball, 2, &prepare);
-    u->config = smr_config_default_image();
+    u->config = what == UNIT_SAVE_SURFACES ? smr_config_default() : smr_config_default_image();
     u->config.basic.n_target_vertices = 400;
     u->config.basic.iterations = 6;
     u->config.basic.iterations_last = 9;
@@ -57,7 +62,7 @@ smr *unit_save_begin(const unit_save *u, uint32_t ticks)
     smr *s = rig_init(u->model, &u->config, NULL);
     (void)smr_set_landmarks(s, landmark, 2);
     (void)smr_set_surface(s, 0, u->surface);
-    (void)smr_set_volume(s, &u->volume);
+    (void)(u->what == UNIT_SAVE_SURFACES ? smr_set_surface(s, 1, u->surface) : smr_set_volume(s, &u->volume));
     for (uint32_t i = 0; i < ticks; i++)
         (void)smr_tick(s, 0, NULL);
     return s;

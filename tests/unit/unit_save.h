@@ -16,10 +16,12 @@ typedef struct unit_save {
     smr_config config;
     unsigned char saved[UNIT_SAVE_BYTES]; /* after 7 iterations, ball 0 onto `surface`, ball 1 into the image */
     size_t bytes;
+    uint32_t what; /* UNIT_SAVE_... */
 } unit_save;
 
-/* rig_free_all() frees it. */
-void unit_save_make(unit_save *u);
+/* rig_free_all() frees it. FEW: of 20 vertices each, and few voxels; SURFACES: likewise, and without an image. */
+enum { UNIT_SAVE_ALL, UNIT_SAVE_FEW, UNIT_SAVE_SURFACES };
+void unit_save_make(unit_save *u, uint32_t what);
 
 /* As it was before it was saved. */
 smr *unit_save_begin(const unit_save *u, uint32_t ticks);
