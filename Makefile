@@ -370,9 +370,10 @@ UNIT_TESTS := $(filter $(BUILD)/tests/unit/%,$(TESTS))
 check-quick: all $(UNIT_TESTS) $(BUILD)/golden
 	@$(run_checks) --quick $(UNIT_TESTS)
 
-faults: $(BUILD)/faults $(PROGRAM) $(HOST_TOOLS)
+faults: $(BUILD)/faults $(PROGRAM) $(HOST_TOOLS) $(BUILD)/tests/property/test_combinations
 	@for kind in bare seal; do echo "$$kind:"; $(BUILD)/faults $(or $(N),100000) $(or $(SEED),1) $$kind || exit 1; done
 	@for part in stop failing; do BUILD="$(BUILD)" SMR="$(BUILD)/smr" CC="$(CC)" SMR_FULL=1 sh tests/host/test_host_$$part.sh || exit 1; done
+	@SMR_TEST_CHAOS=40 $(BUILD)/tests/property/test_combinations
 
 .PHONY: fuzz
 SECONDS ?= 60

@@ -1,5 +1,5 @@
 #!/bin/sh
-# make fuzz SECONDS=n: each target of this directory for n seconds of libFuzzer under the address and undefined-behaviour
+# fuzz.sh: make fuzz SECONDS=n: each target of this directory for n seconds of libFuzzer under the address and undefined-behaviour
 # sanitisers, from its kept corpus (corpus.tar.xz) and the seeds of test_fuzz.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... MAKE=... fuzz.sh SECONDS [keep]      keep: afterwards corpus.tar.xz holds the minimal corpora
