@@ -70,6 +70,7 @@ static void derive(smr *s)
     if (smr_image_on(&s->forces.image))
         smr_image_goals_derive(&s->forces.image);
     smr_triangles_now(&s->shape);
+    (void)smr_shape_find_parts(&s->shape);
     if (SMR_HAS_HELD)
         smr_track_rest_derive(&s->shape);
     if (SMR_HAS_CONTACT) {

@@ -29,8 +29,11 @@ static void start_here(smr *s, int by_pose)
     const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
     centre_origin(s);
     const smr_mesh mesh = {shape->x, s->shared.triangle, s->shared.n, s->shared.n_triangles};
+    shape->in_parts = 0;
     smr_rest_pose_now(shape);
     memcpy(shape->start, shape->x, bytes);
+    if (!by_pose && smr_shape_find_parts(shape))
+        smr_rest_pose_now(shape);
     if (smr_blends(shape))
         smr_references_start(shape, by_pose);
     shape->start_box = smr_box_of(shape->start, s->shared.n);

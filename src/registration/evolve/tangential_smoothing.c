@@ -43,7 +43,7 @@ void smr_tangent_clear(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
             e->limited[v] = 0;
         smr_put3(rings.sum, v, smr_v(0, 0, 0));
         rings.weight[v] = 0.0f;
-        const smr_vec rest = smr_pose_apply(&pose, smr_rest(shared, v));
+        const smr_vec rest = smr_pose_apply(&pose, smr_rest_in_parts(e->shape, v));
         smr_put3(rings.displacement, v, smr_sub(smr_get3(x, v), rest));
     }
 }

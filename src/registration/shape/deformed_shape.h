@@ -38,6 +38,7 @@ typedef struct smr_shape {
     /* members set with the start positions */
     float *start;      /* [n][3] start positions, mm */
     smr_box start_box; /* box around the start positions, mm */
+    uint32_t in_parts; /* 1: structures start as rigid bodies, each in its own pose; `start` is then the rest shape */
     /* x and x_next are exchanged when an iteration is complete */
     float *x;      /* [n][3] positions of the last complete iteration, mm */
     float *x_next; /* [n][3] positions of the current iteration, mm; until evolve, the positions before x */
@@ -81,7 +82,8 @@ smr_run_task smr_triangles_refit, smr_uppers_refit;
 smr_count_tasks smr_rest_pose_tasks;
 smr_run_task smr_rest_pose_sum;
 void smr_rest_pose_end(smr_shape *shape);
-void smr_rest_pose_now(smr_shape *shape); /* fits rest_pose at once, without steps */
+void smr_rest_pose_now(smr_shape *shape);   /* fits rest_pose at once, without steps */
+int smr_shape_find_parts(smr_shape *shape); /* sets in_parts from `start`, and returns it */
 
 /* tracking_rest_shape.c, in tracking and dynamics: x^r is tracking's rest shape, each structure in its best-fitting
  * pose. The fit is to x_next at the end of an iteration. */
@@ -97,10 +99,16 @@ void smr_track_rest_keep_image(smr_shape *shape); /* copies x to image_x when th
 /* for new targets: stores each structure's pose; steady 1: also moves structures ahead by their last motion */
 void smr_track_rest_predict(smr_shape *shape, int steady);
 
-/* Returns the position of a stored vertex in the rest shape, mapped by rest_pose, mm. */
+/* Returns the position of a stored vertex in the rest shape, with the structures in the poses of the start, mm. */
+static inline smr_vec smr_rest_in_parts(const smr_shape *shape, uint32_t vertex)
+{
+    return shape->in_parts ? smr_get3(shape->start, vertex) : smr_rest(shape->shared, vertex);
+}
+
+/* Returns the position of a stored vertex in that shape, mapped by rest_pose, mm. */
 static inline smr_vec smr_rest_posed(const smr_shape *shape, uint32_t vertex)
 {
-    return smr_pose_apply(&shape->rest_pose, smr_rest(shape->shared, vertex));
+    return smr_pose_apply(&shape->rest_pose, smr_rest_in_parts(shape, vertex));
 }
 
 #endif
