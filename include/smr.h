@@ -511,17 +511,16 @@ smr_status smr_surface_distances(const smr_surface *surface, const float *xyz, u
  * then the mesh must stay, and other calls get E_STATE. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (a count). */
 smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
-/* Begins to replace the positions of a complete surface's vertices by xyz[n_vertices][3] mm, in the mesh's order, which
- * the library borrows; smr_surface_step() does the work, several times faster than a build. A registration onto the
- * surface may not tick (E_STATE) until the refit is complete and smr_set_surface() has set it again. The tree of the
- * first positions stays, perhaps with slower searches. A log's checksum of the surface depends on both positions, so
- * a replay refits. Errors: E_NULL, E_STATE (not a complete surface). */
+/* Begins to replace the positions of a complete surface's vertices by xyz[n_vertices][3] mm, in the mesh's order,
+ * which the library borrows; smr_surface_step() does the work. A registration onto the surface may not tick
+ * (E_STATE) until the refit is complete and smr_set_surface() has set it again. A log's checksum of the surface
+ * depends on both positions, so a replay refits. Errors: E_NULL, E_STATE (not a complete surface). */
 smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
 
 /* Continues a build or a refit for `units` pieces of work of about 256 vertices or triangles each (0: no limit), or
- * until budget_ns have passed by the port's clock (0, or no clock: no limit), to the end of a piece. Limits change no
- * bit. SMR_OK: the surface is complete. SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE (not a surface), E_INPUT (an
- * index, a coordinate, a changed cloud): a built surface is then no surface, a refitted one as before. */
+ * until budget_ns have passed by the port's clock (0, or no clock: no limit), to the end of a piece. Limits change
+ * no bit. SMR_OK: the surface is complete. SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE (not a surface),
+ * E_INPUT (an index, a coordinate, a changed cloud): a built surface is then no surface, a refitted one as before. */
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
 /* ------------------------------------------------------------------ 10. start poses */
@@ -532,6 +531,8 @@ typedef struct smr_align_config {
     uint32_t samples;      /* 16..100000, default 600. Number of points taken from each surface */
     const smr_pose *given; /* known pose of the model, tried as well; NULL (default): the identity */
     const smr_port *port;  /* threads that share the work; NULL (default): one */
+    uint32_t n_parts;      /* 0..SMR_STRUCTURES_MAX, default 0. Number of structures that get poses of their own */
+    struct smr_align_part *part; /* [n_parts] these structures, which joints connect; NULL without */
 } smr_align_config;
 smr_align_config smr_align_config_default(void);
 
@@ -549,22 +550,28 @@ typedef struct smr_align_report {
     uint32_t target_inside_out; /* 1: a closed target with triangles facing inwards, which smr_align() reverses */
 } smr_align_report;
 
-/* Finds the pose that lays `model`, or a part, onto `target`, or a part, without landmarks. The target may be a cloud
- * (smr_points_surface()); points without normals are matched by position alone. The search covers rotations, and
- * translations that match centres or ends; closest points in both directions refine the poses and leave out parts that
- * the other surface does not have. The search also tries the pose config.given. memory is SMR_ALIGN-aligned scratch of
- * smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL, E_STATE (not a surface), E_CONFIG, E_ALIGN,
- * E_ARENA, E_INPUT (no pose found, or config.given is not a rotation, a scale and a translation). */
+typedef struct smr_align_part {
+    const smr_surface *model, *target; /* its surface, in the model; its target, which several may share */
+    smr_pose pose;                     /* result. Target NULL, or no pose found: that of the neighbour */
+    smr_align_report report;           /* result; all 0 with the neighbour's pose */
+    uint32_t order;                    /* result: 1..n_parts, the order of placement; the largest is first */
+} smr_align_part;
+
+/* Finds the pose that lays `model`, or a part, onto `target`, or a part, which may be a cloud
+ * (smr_points_surface()). With config.part each structure then gets its own pose, for smr_set_positions(). memory:
+ * SMR_ALIGN-aligned, smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL, E_STATE (not a
+ * surface), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (no pose found, or config.given is not a rotation, a scale and a
+ * translation). */
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report);
 smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                            void *memory, size_t bytes, smr_pose *pose, smr_align_report *report, smr_job *job);
 
-/* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm. scaled 0: the pose is rigid. scaled 1:
- * the pose has one scale, the ratio of the spreads. *rms_mm (may be NULL) is the root mean square of the remaining
- * distances. With fewer than 3 pairs, or all pairs on one line, the rotation is not unique, and one of the best poses
- * is returned. Errors: E_NULL, E_INPUT (a count, scaled above 1, non-finite, beyond SMR_COORD_MAX). */
+/* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm. scaled 0: the pose is rigid; 1: it
+ * has one scale, the ratio of the spreads. *rms_mm (may be NULL) is the rms of the remaining distances. Of several
+ * best rotations (fewer than 3 pairs, or all on one line) one is returned. Errors: E_NULL, E_INPUT (a count, scaled
+ * above 1, non-finite, beyond SMR_COORD_MAX). */
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 
@@ -573,17 +580,16 @@ typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory 
 enum { SMR_WARP_SPLINE = 0, SMR_WARP_SCALED = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
 /* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) from from[i] to to[i], both [n][3] mm.
- * smoothing: mm, 0 or more. A spline with smoothing 0 passes through every landmark; a larger smoothing brings the
- * spline nearer to its affine part. *kind is SMR_WARP_..., the kind that the landmarks determine: rigid with one scale
- * for coplanar places, rigid for collinear or fewer than 3 places, a translation for one place. Duplicates are
- * averaged. memory (SMR_ALIGN-aligned, smr_warp_bytes()) stays the caller's and holds the warp.
- * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (n not in 1..SMR_LANDMARKS_MAX, a coordinate, smoothing). */
+ * smoothing: mm, 0 or more. With 0 the spline passes through every landmark; more brings it nearer to its affine
+ * part. *kind is SMR_WARP_..., the kind that the landmarks determine: rigid with one scale for coplanar places,
+ * rigid for collinear or fewer than 3, a translation for one. Duplicates are averaged. memory (SMR_ALIGN-aligned,
+ * smr_warp_bytes()) holds the warp. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (n, a coordinate, smoothing). */
 smr_status smr_warp_bytes(uint32_t n, size_t *bytes);
 smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float smoothing, void *memory, size_t bytes,
                         smr_warp **warp, uint32_t *kind);
 
-/* Moves n points xyz[n][3] mm by the warp, in place.
- * Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not finite or beyond SMR_COORD_MAX). */
+/* Moves n points xyz[n][3] mm by the warp, in place. Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not
+ * finite or beyond SMR_COORD_MAX). */
 smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n);
 
 /* ------------------------------------------------------------------ 11. images (paper 2.1) */

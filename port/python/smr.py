@@ -144,7 +144,7 @@ _Port = _struct("_Port", ("ctx", _P), ("n_workers", _U), ("parallel", _P), ("now
 _Closest = _struct("_Closest", ("point", _F * 3), ("normal", _F * 3), ("distance", _F), ("triangle", _U),
                    ("weight", _F * 3), ("on_border", _U))
 _AlignConfig = _struct("_AlignConfig", ("cookie", _U), ("scaled", _U), ("iterations", _U), ("samples", _U),
-                       ("given", _P), ("port", _P))
+                       ("given", _P), ("port", _P), ("n_parts", _U), ("part", _P))
 
 
 class AlignReport(_Struct):
@@ -152,6 +152,10 @@ class AlignReport(_Struct):
     _fields_ = [("rms_mm", _F), ("model_share", _F), ("target_share", _F), ("scale", _F), ("second_rms_mm", _F),
                 ("mirrored_rms_mm", _F), ("n_alike", _U), ("given", _U), ("model_inside_out", _U),
                 ("target_inside_out", _U)]
+
+
+_AlignPart = _struct("_AlignPart", ("model", _P), ("target", _P), ("pose", _Pose), ("report", AlignReport),
+                     ("order", _U))
 
 
 class ModelInfo(_Struct):
@@ -234,7 +238,8 @@ _Setting = _struct("_Setting", ("name", C.c_char_p), ("unit", C.c_char_p), ("tex
 # The C names of the structs above whose fields stand here; those of settings come from the library itself.
 STRUCTS = {"smr_mesh": _Mesh, "smr_structure": _Structure, "smr_volume": _Volume, "smr_pose": _Pose, "smr_port": _Port,
            "smr_closest": _Closest, "smr_align_config": _AlignConfig, "smr_align_report": AlignReport,
-           "smr_model_info": ModelInfo, "smr_structure_info": _StructureInfo, "smr_landmark": _Landmark,
+           "smr_align_part": _AlignPart, "smr_model_info": ModelInfo, "smr_structure_info": _StructureInfo,
+           "smr_landmark": _Landmark,
            "smr_tick_report": TickReport, "smr_tick_details": TickDetails, "smr_structure_report": StructureReport,
            "smr_structure_volume": StructureVolume, "smr_verdict": Verdict, "smr_energy": Energy,
            "smr_subjects": _Subjects, "smr_carry_fact": _Fact, "smr_setting": _Setting}
@@ -805,6 +810,24 @@ def align(model: Union[Model, Surface, Mesh], target: Union[Surface, Points, Mes
     """The pose [3][4] that lays a model onto a target, without landmarks. A (xyz, triangles) is a surface, an array
     [n][3] a cloud. scaled: with one scale. given: the pose [3][4] that is tried as well; None: as the files lie.
     threads None: as many as processors. settings: iterations, samples."""
+    return _align(model, target, [], scaled, given, threads, **settings)[:2]
+
+
+def align_parts(model: Model, target: Any, targets: Sequence[Any], scaled: bool = False, given: Any = None,
+                threads: Optional[int] = None, **settings: int) -> Tuple[List[Pose], List[AlignReport]]:
+    """A pose [3][4] for each structure of a model, whose joints have turned. target: of the whole, as in align();
+    targets: each structure's, the same object for several that share one, None for one that goes with its neighbour.
+    A report with n_alike 0: the pose is the neighbour's."""
+    if len(targets) != len(model):
+        raise ValueError("targets: expected one, or None, for each structure")
+    onto = {id(t): _as_surface(t, "target") for t in [target, *targets] if t is not None}
+    parts = [(_as_surface(model.mesh(i), "model"), None if t is None else onto[id(t)]) for i, t in enumerate(targets)]
+    made = _align(model, onto[id(target)], parts, scaled, given, threads, **settings)[2]
+    return [_pose_array(p.pose) for p in made], [p.report for p in made]
+
+
+def _align(model: Any, target: Any, parts: Sequence[Tuple[Surface, Optional[Surface]]], scaled: bool, given: Any,
+           threads: Optional[int], **settings: int) -> Tuple[Pose, AlignReport, Any]:
     source, onto = _as_surface(model, "model"), _as_surface(target, "target")
     config = _lib.smr_align_config_default()
     config.scaled = int(scaled)
@@ -816,11 +839,15 @@ def align(model: Union[Model, Surface, Mesh], target: Union[Surface, Points, Mes
     config.given = None if start is None else C.addressof(start)
     pool = _Pool(threads)
     config.port = C.addressof(pool.port)
+    made = (_AlignPart * len(parts))()
+    for part, (structure, own) in zip(made, parts):
+        part.model, part.target = structure._handle, None if own is None else own._handle
+    config.n_parts, config.part = len(parts), C.addressof(made) if parts else None
     scratch = _memory(_sized(_lib.smr_align_bytes, C.byref(config)))
     pose, report = _Pose(), AlignReport()
     _lib.smr_align(source._handle, onto._handle, C.byref(config), _at(scratch), len(scratch), C.byref(pose),
                    C.byref(report))
-    return _pose_array(pose), report
+    return _pose_array(pose), report, made
 
 
 def _pairs(from_: Any, to: Any) -> Tuple[Array, Array]:
@@ -1243,8 +1270,8 @@ def _start(s: Registration, model: Model, targets: Mapping[Any, Any], align_by: 
         return None, None
     pose, report = start, None
     if align_by is not None:
-        if align_by not in ("rigid", "similarity"):
-            raise ValueError("align: expected None, \"rigid\" or \"similarity\"")
+        if align_by not in ("rigid", "similarity", "parts"):
+            raise ValueError("align: expected None, \"rigid\", \"similarity\" or \"parts\"")
         distinct = list({id(t): t for t in targets.values()}.values())
         if len(distinct) == 1 and not isinstance(distinct[0], Volume):
             onto = distinct[0]
@@ -1252,6 +1279,15 @@ def _start(s: Registration, model: Model, targets: Mapping[Any, Any], align_by: 
             onto = _merged((t.xyz, t.triangles) for t in distinct)
         else:
             raise ValueError("align: expected surfaces, or one cloud, as targets")
+        if align_by == "parts":
+            own = [targets.get(name, targets.get(i, targets.get(None))) for i, name in enumerate(model.names)]
+            if len(distinct) == 1:
+                own = [None if t is None else onto for t in own]
+            poses, reports = align_parts(model, onto, own, given=start)
+            for i, p in enumerate(poses):
+                xyz = model.mesh(i)[0]
+                s.set_positions(i, xyz @ p[:, :3].T + p[:, 3])
+            return None, reports[0]
         pose, report = align(model, onto, align_by == "similarity", given=start)
     if pose is not None:
         s.set_pose(pose)
@@ -1265,10 +1301,11 @@ def register(model: Model, target: Targets = None, align: Optional[str] = None, 
     """Deforms a model onto its target and says how far the result can be trusted.
 
     target: a Surface, Points or Volume, a (xyz, triangles), an array [n][3] of points, or a mapping of structures to
-    these; None with landmarks alone. align: None, "rigid" or "similarity": a start pose from the surfaces. start: a
-    pose [3][4] (align_landmarks()), or a Warp (the usual start into an image). landmarks: points of the model that are
-    drawn to their places. threads None: as many as processors. ticks: at most so many, None: to the end. budget_ns: of
-    a tick, 0: no clock. progress: called with each report. settings: SETTINGS, build/SETTINGS.md."""
+    these; None with landmarks alone. align: None, "rigid" or "similarity": a start pose from the surfaces; "parts": of
+    each structure, for joints. start: a pose [3][4] (align_landmarks()), or a Warp (the usual start into an image).
+    landmarks: points of the model that are drawn to their places. threads None: as many as processors. ticks: at most
+    so many, None: to the end. budget_ns: of a tick, 0: no clock. progress: called with each report. settings: SETTINGS,
+    build/SETTINGS.md."""
     targets = _as_targets(target)
     if landmarks:
         settings.setdefault("n_landmarks", len(landmarks))

@@ -23,6 +23,9 @@ static inline float smr_pose_scale(const smr_pose *p) { return smr_length(smr_co
 /* Returns the inverse of a rigid, scaled or mirrored pose (align_closest_points.c). */
 smr_pose smr_pose_invert(const smr_pose *p);
 
+/* Returns 1 when *p is a rotation with one scale for all axes and a translation, all within the limits. */
+int smr_pose_legal(const smr_pose *p);
+
 /* Returns 1 when the pose mirrors: its determinant is negative. */
 static inline int smr_pose_mirrors(const smr_pose *p)
 {
@@ -80,19 +83,33 @@ typedef struct smr_pair {
     uint32_t border;   /* 1: the closest point lies on an open border of its surface */
 } smr_pair;
 
+/* The region of a target that a part shares with others: within its reach of the joint, without what placed parts
+ * explain. */
+typedef struct smr_align_mask {
+    const smr_align_part *part; /* [n_parts] all parts; those with an order are placed */
+    uint32_t n_parts;
+    smr_vec centre; /* place of the joint, mm from the target's origin */
+    float reach2;   /* squared distance from the joint to the part's farthest point, mm^2 */
+} smr_align_mask;
+
+/* Returns 1 for a point of the target, mm from its origin, with its unit normal, in the region (align_parts.c). */
+int smr_mask_holds(const smr_align_mask *mask, const smr_surface *target, smr_vec p, smr_vec normal);
+
 /* One of the two surfaces and its samples. */
 typedef struct smr_align_side {
     const smr_surface *surface;
-    uint32_t n;      /* number of samples of the surface */
-    smr_vec *point;  /* [n] position of each sample relative to the surface's origin, mm */
-    smr_vec *normal; /* [n] outward unit normal of each sample */
-    float *weight;   /* [n] area around each sample / mean area around a vertex */
-    smr_pair *pair;  /* [n] closest point of each sample on the other surface */
-    uint32_t bare;   /* 1: the surface is a cloud without normals */
-    float outward;   /* factor that turns normals outwards: 1; -1: closed and inside out */
-    smr_vec centre;  /* area-weighted centroid of the surface, mm */
-    float axes[9];   /* principal axes in columns, the one of largest variance first */
-    float spread;    /* standard deviation of the vertices' positions, mm */
+    const smr_align_mask *mask; /* region that counts; NULL: the whole surface */
+    uint32_t kept;              /* number of vertices that count */
+    uint32_t n;                 /* number of samples of the surface */
+    smr_vec *point;             /* [n] position of each sample relative to the surface's origin, mm */
+    smr_vec *normal;            /* [n] outward unit normal of each sample */
+    float *weight;              /* [n] area around each sample / mean area around a vertex */
+    smr_pair *pair;             /* [n] closest point of each sample on the other surface */
+    uint32_t bare;              /* 1: the surface is a cloud without normals */
+    float outward;              /* factor that turns normals outwards: 1; -1: closed and inside out */
+    smr_vec centre;             /* area-weighted centroid of the surface, mm */
+    float axes[9];              /* principal axes in columns, the one of largest variance first */
+    float spread;               /* standard deviation of the vertices' positions, mm */
 } smr_align_side;
 
 /* Returns the index of the k-th of n samples that are chosen evenly among a side's samples. */
@@ -217,14 +234,18 @@ typedef struct smr_coarse {
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
 
-#define SMR_CUBE 24u /* number of rotations of a cube */
-#define SMR_TURNS 8u /* number of further rotations; each is combined with all rotations of the cube */
+#define SMR_CUBE 24u       /* number of rotations of a cube */
+#define SMR_JOINT_STEPS 7u /* number of rotations about a joint along each axis of rotation vectors */
+#define SMR_TURNS 8u       /* number of further rotations; each is combined with all rotations of the cube */
 
 /* A coarse search at one scale, of the model or of its mirror image. */
 typedef struct smr_coarse_search {
     float scale;
-    uint32_t n_shifts;  /* translations tried with each of SMR_CUBE * SMR_TURNS rotations */
-    int mirrored;       /* 1: of the mirror image */
+    uint32_t n_shifts; /* translations tried with each of SMR_CUBE * SMR_TURNS rotations */
+    int mirrored;      /* 1: of the mirror image */
+    int jointed;       /* 1: of SMR_JOINT_STEPS^3 rotations of the given pose about the joint */
+    smr_pose given;
+    smr_vec joint;      /* mm from the model's origin */
     smr_pose_list best; /* best two poses of the current rotation */
 } smr_coarse_search;
 
@@ -258,6 +279,15 @@ typedef struct smr_align_slice {
     smr_pause pause;
     uint32_t done; /* 1: the search is complete */
 } smr_align_slice;
+/* The joint between a part and the placed part that it touches most, its neighbour. */
+typedef struct smr_joint {
+    smr_vec sum;  /* positions weighted by nearness to the placed part in work, mm from the part's origin */
+    float weight; /* sum of weights, mm^2 */
+    smr_vec at;   /* the joint so far, mm from the part's origin */
+    float touch;  /* weight of the neighbour so far */
+    const smr_align_part *neighbour; /* NULL: no part is placed */
+    smr_box box;                     /* around the part, mm from its origin */
+} smr_joint;
 
 /* Working state of smr_align(), in the caller's memory. Poses are relative to the surfaces' origins. */
 typedef struct smr_align_work {
@@ -298,6 +328,16 @@ typedef struct smr_align_work {
     uint32_t scaled, iterations;
     smr_align_report said;
 
+    /* the parts */
+    smr_align_part *part; /* [n_parts] the caller's */
+    uint32_t n_parts, n_placed;
+    const smr_surface *whole_of[SMR_SIDES]; /* surfaces of the whole */
+    smr_align_part *current;                /* the part in work; NULL: the whole */
+    smr_joint *joint;                       /* [n_parts] joints with placed parts */
+    const smr_joint *jointed;               /* of the part in work; NULL: none */
+    smr_align_mask mask;                    /* of its target, if shared */
+    smr_pose start;                         /* the whole's */
+
     smr_pose as_given;
     smr_pose *pose; /* the caller's */
     smr_align_report *report;
@@ -305,6 +345,17 @@ typedef struct smr_align_work {
 
 #define SMR_ALIGN_END 2     /* result of smr_align_step() after the last step */
 #define SMR_ALIGN_MEASURE 3 /* result of a step that requests other measures of the same pairs */
+
+/* ---- align_parts.c ---- */
+
+uint32_t smr_joint_tasks(const smr_align_work *w); /* tasks, in order, that find joints with the part placed last */
+void smr_joint_find(smr_align_work *w, uint32_t task);
+
+/* Chooses the next part and sets its start. Returns 1; 0: it has no target, and is placed; -1: all are placed. */
+int smr_align_begin_part(smr_align_work *w);
+/* Adds the changes of all surfaces to *changes. Returns 0 when one is no surface. */
+int smr_align_changes(const smr_align_work *w, uint32_t *changes);
+void smr_align_end_part(smr_align_work *w, int found); /* found 0: the part takes its neighbour's pose */
 
 /* Runs the next step. Returns 1 when the step requests work, 0 when it does not, -1 when no pose was found. */
 int smr_align_step(smr_align_work *w);

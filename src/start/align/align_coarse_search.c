@@ -1,9 +1,10 @@
 /* align_coarse_search.c: the coarse search of start poses. Method: 192 rotations between the principal axes (those of a
  * cube, each also after 45 degrees about an axis and 60 about a diagonal) times 7 translations: centroid onto centroid,
  * and for each axis of the target the lower or the upper ends onto each other, without the part beyond the shorter
- * surface. Parts of a surface have other axes and centroids than the whole, but often share an end. In the cost of a
- * pose each sample takes its best partner. The squared distance of a pair has full weight across the target's surface
- * and less along it, since samples are not opposite each other; differing normals add to it.
+ * surface. About a joint: 343 rotations of the given pose. Parts of a surface have other axes and centroids than the
+ * whole, but often share an end. In the cost of a pose each sample takes its best partner. The squared distance of a
+ * pair has full weight across the target's surface and less along it, since samples are not opposite each other;
+ * differing normals add to it.
  * Bounds: 192 * 7 poses of SMR_COARSE squared pairs.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align.h"
@@ -14,6 +15,7 @@
 #define SMR_ALONG 0.3f         /* weight of the squared distance along the surface, where the distance across has 1 */
 #define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
 #define SMR_DIAG 0.604599788f  /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
+#define SMR_TURN 0.523598776f  /* rad: 30 degrees between rotation vectors about a joint, along each axis */
 #define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's ends / its length, for rounding */
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
@@ -187,10 +189,30 @@ static void set_shift(const smr_aligner *a, const smr_coarse *c, uint32_t k, smr
     smr_pose_through(pose, smr_v(0, 0, 0), smr_add(move, smr_scale(along, by - smr_dot(move, along))));
 }
 
+/* Sets the pose to the given one after the k-th rotation about the joint: vectors on a cubic grid. */
+static void set_turn(const smr_coarse_search *search, uint32_t k, smr_pose *pose)
+{
+    const uint32_t n = SMR_JOINT_STEPS, middle = n / 2u;
+    const smr_vec by =
+        smr_v((float)(k % n) - (float)middle, (float)(k / n % n) - (float)middle, (float)(k / (n * n)) - (float)middle);
+    float given[9], turn[9], both[9];
+    smr_rodrigues(smr_scale(by, SMR_TURN), turn); /* writes the rotation - I */
+    for (uint32_t i = 0; i < 9u; i++) {
+        given[i] = search->given.m[i / 3u][i % 3u];
+        turn[i] += i % 4u == 0u ? 1.0f : 0.0f;
+    }
+    multiply(given, turn, both);
+    for (uint32_t i = 0; i < 9u; i++)
+        pose->m[i / 3u][i % 3u] = both[i];
+    smr_pose_through(pose, search->joint, smr_pose_apply(&search->given, search->joint));
+}
+
 void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_search *search, uint32_t number,
                    uint32_t part, smr_coarse_place *to)
 {
-    if (part == 0u) {
+    if (part == 0u && search->jointed) {
+        set_turn(search, number, &to->pose);
+    } else if (part == 0u) {
         set_rotation(a, number / search->n_shifts, search->scale, search->mirrored, &to->pose);
         set_shift(a, c, number % search->n_shifts, &to->pose);
     }

@@ -27,6 +27,7 @@
 #define SMR_OTHER_COS 0.866f      /* cosine of the rotation (30 degrees) below which two poses clearly differ */
 #define SMR_OTHER_SHIFT 0.15f     /* distance / target's spread above which two poses clearly differ */
 #define SMR_ALIKE_COST 1.1f       /* largest cost / cost of the best pose with which a pose counts as equally good */
+#define SMR_MIRROR_STEPS 3u       /* number of steps for the mirror image, which parts with a neighbour skip */
 #define SMR_ALIKE_SLACK 0.01f     /* cost added to SMR_ALIKE_COST times the best pose's cost */
 
 /* Returns the distance of two poses, mm: of images of the model's centre, or of preimages of the target's, if less. */
@@ -102,6 +103,17 @@ static void find_pairs(smr_align_work *w, const smr_pose *pose, uint32_t samples
 
 /* Returns the measures of the one pose. */
 static const smr_measure *measured(const smr_align_work *w) { return &w->group[0].measure; }
+static int has_neighbour(const smr_align_work *w) { return w->jointed != NULL && w->jointed->neighbour != NULL; }
+
+/* Starts the search of rotations about the joint of a part. */
+static void start_turns(smr_align_work *w)
+{
+    start_search(w, smr_pose_scale(&w->given), 1, 0, SMR_LIST_MOST);
+    w->search.jointed = 1;
+    w->search.given = w->given;
+    w->search.joint = w->jointed->at;
+    w->n_tried = SMR_JOINT_STEPS * SMR_JOINT_STEPS * SMR_JOINT_STEPS;
+}
 
 /* ---- the steps of the call; each returns 1 when it requests work, whose result the next step
  * takes, and -1 when no pose was found ---- */
@@ -111,10 +123,15 @@ static int find_poses(smr_align_work *w)
 {
     smr_aligner *a = &w->aligner;
     const float far = SMR_FAR_SHARE * smr_max(a->side[SMR_MODEL].spread, a->side[SMR_TARGET].spread) + 1.0e-6f;
+    if (a->side[SMR_TARGET].kept == 0u)
+        return -1;
     a->far2 = far * far;
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
     smr_coarse_take(&w->coarse, a);
-    start_search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
+    if (a->side[SMR_TARGET].mask != NULL)
+        start_turns(w);
+    else
+        start_search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
     smr_list_insert(&w->found, &w->given, 0.0f);
     smr_list_start(&w->shorter, SMR_FINALISTS);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
@@ -124,6 +141,8 @@ static int find_poses(smr_align_work *w)
 /* Searches poses at another scale, which is then free: that distinguishes bones of two sizes. */
 static int try_scale(smr_align_work *w, float scale, uint32_t how)
 {
+    if (w->aligner.side[SMR_TARGET].mask != NULL)
+        return 0;
     start_search(w, scale, SMR_SHIFTS_LONG, 0, SMR_OF_SCALE);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
     return 1;
@@ -147,10 +166,27 @@ static int refine_finalists(smr_align_work *w)
     return 1;
 }
 
+/* Of poses that match a part alike, puts the one first that keeps the joint with the neighbour best. */
+static void prefer_joint(smr_pose_list *best, const smr_pose *given, smr_vec joint)
+{
+    const float most = SMR_ALIKE_COST * best->cost[0] + SMR_ALIKE_SLACK;
+    const smr_vec at = smr_pose_apply(given, joint);
+    uint32_t first = 0;
+    for (uint32_t i = 1; i < best->n; i++)
+        if (best->cost[i] <= most && smr_length(smr_sub(smr_pose_apply(&best->pose[i], joint), at)) <
+                                         smr_length(smr_sub(smr_pose_apply(&best->pose[first], joint), at)))
+            first = i;
+    const smr_pose chosen = best->pose[first];
+    best->pose[first] = best->pose[0];
+    best->pose[0] = chosen;
+}
+
 static int measure_best(smr_align_work *w)
 {
     if (w->best.n == 0u)
         return -1;
+    if (has_neighbour(w))
+        prefer_joint(&w->best, &w->given, w->jointed->at);
     find_pairs(w, &w->best.pose[0], w->some, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS | SMR_MEASURE_CAPPED);
     return 1;
 }
@@ -251,8 +287,10 @@ static int find_other(smr_align_work *w)
 static int compare_other(smr_align_work *w)
 {
     smr_align_report *r = &w->said;
-    if (w->other >= w->best.n)
+    if (w->other >= w->best.n) {
+        w->at += has_neighbour(w) ? SMR_MIRROR_STEPS : 0u;
         return 0;
+    }
     const float rms = smr_measure_rms(measured(w));
     if (r->second_rms_mm == 0.0f || rms < r->second_rms_mm)
         r->second_rms_mm = rms;
@@ -287,7 +325,7 @@ static int measure_mirrored(smr_align_work *w)
 static int finish(smr_align_work *w)
 {
     const smr_align_side *model = &w->aligner.side[SMR_MODEL], *target = &w->aligner.side[SMR_TARGET];
-    w->said.mirrored_rms_mm = smr_measure_rms(measured(w));
+    w->said.mirrored_rms_mm = has_neighbour(w) ? 0.0f : smr_measure_rms(measured(w));
     w->said.model_inside_out = model->outward < 0.0f;
     w->said.target_inside_out = target->outward < 0.0f;
     smr_pose_through(&w->result, model->surface->origin, smr_add(target->surface->origin, smr_column(&w->result, 3)));

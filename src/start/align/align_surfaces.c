@@ -5,13 +5,10 @@
 #include "base/arena.h"
 #include "start/align/align.h"
 
-#define SMR_POSE_ROUNDING 1.0e-3f  /* largest |R^T R - I| in an entry of the given pose's rotation R */
-#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; the smallest is 1 / this */
-
 typedef struct align_job {
     smr_job_head head;
     smr_align_work *w;
-    uint32_t changes[SMR_SIDES]; /* smr_surface.changes at the begin */
+    uint32_t changes; /* sum of the surfaces' smr_surface.changes at the begin */
 } align_job;
 
 _Static_assert(sizeof(align_job) <= SMR_JOB_BYTES, "an alignment in progress is found by the caller's job");
@@ -25,25 +22,9 @@ smr_align_config smr_align_config_default(void)
 static int is_legal(const smr_align_config *c)
 {
     return c->cookie == SMR_COOKIE('A', smr_align_config) && c->scaled <= 1u && c->iterations >= 1u &&
-           c->iterations <= 1000u && c->samples >= 16u && c->samples <= 100000u &&
+           c->iterations <= 1000u && c->n_parts <= SMR_STRUCTURES_MAX && (c->n_parts == 0u || c->part != NULL) &&
+           c->samples >= 16u && c->samples <= 100000u &&
            (c->port == NULL || (c->port->n_workers >= 1u && c->port->n_workers <= SMR_WORKERS_MAX));
-}
-
-/* Returns 1 when *p is a rotation with one scale for all axes and a translation, all within the limits. */
-static int is_pose(const smr_pose *p)
-{
-    const float scale = smr_pose_scale(p);
-    if (!(scale * SMR_POSE_SCALE_MAX >= 1.0f && scale <= SMR_POSE_SCALE_MAX) || smr_pose_mirrors(p))
-        return 0;
-    for (uint32_t i = 0; i < 3u; i++) {
-        if (!smr_within(p->m[i][3], SMR_POSE_SCALE_MAX * SMR_COORD_MAX))
-            return 0;
-        for (uint32_t k = 0; k <= i; k++)
-            if (!smr_within(smr_dot(smr_column(p, i), smr_column(p, k)) / (scale * scale) - (i == k ? 1.0f : 0.0f),
-                            SMR_POSE_ROUNDING))
-                return 0;
-    }
-    return 1;
 }
 
 static uint32_t n_slices(const smr_align_config *config)
@@ -52,7 +33,7 @@ static uint32_t n_slices(const smr_align_config *config)
 }
 
 static void layout(smr_arena *arena, const smr_align_config *config, smr_align_work **work, smr_coarse_place **place,
-                   smr_align_slice **slice, smr_aligner *a)
+                   smr_align_slice **slice, smr_joint **joint, smr_aligner *a)
 {
     const uint32_t n = config->samples;
     *work = smr_arena_take(arena, 1, sizeof **work);
@@ -64,6 +45,7 @@ static void layout(smr_arena *arena, const smr_align_config *config, smr_align_w
         a->side[side].weight = smr_arena_take(arena, n, sizeof(float));
         a->side[side].pair = smr_arena_take(arena, n, sizeof(smr_pair));
     }
+    *joint = smr_arena_take(arena, config->n_parts, sizeof **joint);
 }
 
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
@@ -71,13 +53,14 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
     smr_align_work *work;
     smr_coarse_place *place;
     smr_align_slice *slice;
+    smr_joint *joint;
     smr_aligner a;
     if (config == NULL || bytes == NULL)
         return SMR_E_NULL;
     if (!is_legal(config))
         return SMR_E_CONFIG;
     smr_arena arena = smr_arena_measure();
-    layout(&arena, config, &work, &place, &slice, &a);
+    layout(&arena, config, &work, &place, &slice, &joint, &a);
     *bytes = arena.used;
     return SMR_OK;
 }
@@ -85,9 +68,26 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 /* ---- the stages ---- */
 
 /* Stages that others go back or on to. */
-enum { SMR_ALIGN_STEP = 1, SMR_ALIGN_GROUPS = 3, SMR_ALIGN_PAIRS, SMR_ALIGN_MEASURES = 6 };
+enum {
+    SMR_ALIGN_SIDES,
+    SMR_ALIGN_STEP,
+    SMR_ALIGN_GROUPS = 3,
+    SMR_ALIGN_PAIRS,
+    SMR_ALIGN_MEASURES = 6,
+    SMR_ALIGN_JOINT = 11
+};
 
 static smr_align_work *work_of(const void *job) { return ((const align_job *)job)->w; }
+
+static uint32_t joint_tasks(const void *job) { return smr_joint_tasks(work_of(job)); }
+static void find_joint(void *job, uint32_t task, SMR_UNUSED uint32_t worker) { smr_joint_find(work_of(job), task); }
+
+static void begin_part(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    align_job *const j = job;
+    const int searched = smr_align_begin_part(j->w);
+    j->head.next_stage = searched < 0 ? j->head.n_stages : (uint32_t)(searched ? SMR_ALIGN_SIDES : SMR_ALIGN_JOINT);
+}
 
 static uint32_t side_tasks(const void *job)
 {
@@ -107,14 +107,16 @@ static void run_step(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t wo
 {
     align_job *const j = job;
     const int result = smr_align_step(j->w);
-    if (result < 0)
+    if (result < 0 && j->w->current == NULL)
         j->head.status = SMR_E_INPUT;
-    if (result == 0)
+    else if (result == 0)
         j->head.next_stage = SMR_ALIGN_STEP;
-    if (result == SMR_ALIGN_MEASURE)
+    else if (result == SMR_ALIGN_MEASURE)
         j->head.next_stage = SMR_ALIGN_MEASURES;
-    if (result == SMR_ALIGN_END)
-        j->head.next_stage = j->head.n_stages;
+    else if (result != 1) {
+        smr_align_end_part(j->w, result == SMR_ALIGN_END);
+        j->head.next_stage = SMR_ALIGN_JOINT;
+    }
 }
 
 /* Tasks visit the first part of SMR_ALIGN_PLACES poses, the other parts, then the next poses. */
@@ -324,18 +326,16 @@ static const smr_stage stages[] = {
     {collect_tasks, collect, group_tasks, NULL},
     {group_tasks, fit, NULL, NULL},
     {NULL, end_round, NULL, NULL},
+    {joint_tasks, find_joint, smr_in_order, NULL},
+    {NULL, begin_part, NULL, NULL},
 };
 
-/* Returns 1 while both surfaces are as at the begin. */
+/* Returns 1 while all surfaces are as at the begin. */
 static int is_unchanged(void *job, int enter)
 {
     const align_job *j = job;
-    for (uint32_t side = 0; side < SMR_SIDES && enter; side++) {
-        const smr_surface *s = j->w->aligner.side[side].surface;
-        if (!smr_surface_valid(s) || s->changes != j->changes[side])
-            return 0;
-    }
-    return 1;
+    uint32_t changes = 0;
+    return !enter || (smr_align_changes(j->w, &changes) && changes == j->changes);
 }
 
 smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
@@ -348,6 +348,7 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     smr_align_work *w;
     smr_coarse_place *place;
     smr_align_slice *slice;
+    smr_joint *joint;
     smr_aligner parts;
     if (model == NULL || target == NULL || config == NULL || pose == NULL || job == NULL)
         return SMR_E_NULL;
@@ -356,11 +357,11 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     if (!is_legal(config))
         return SMR_E_CONFIG;
     const smr_pose given = config->given == NULL ? identity : *config->given;
-    if (!is_pose(&given))
+    if (!smr_pose_legal(&given))
         return SMR_E_INPUT;
     SMR_TRY(smr_arena_start(&arena, memory, bytes));
     memset(&parts, 0, sizeof parts);
-    layout(&arena, config, &w, &place, &slice, &parts);
+    layout(&arena, config, &w, &place, &slice, &joint, &parts);
     if (arena.used > bytes)
         return SMR_E_ARENA;
     memset(w, 0, sizeof *w);
@@ -374,10 +375,17 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
     w->slice = slice;
     w->n_slices = n_slices(config);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
-        w->aligner.side[side].surface = surface[side];
+        w->aligner.side[side].surface = w->whole_of[side] = surface[side];
         w->aligner.side[side].n = config->samples;
-        j->changes[side] = surface[side]->changes;
     }
+    w->part = config->part;
+    w->n_parts = config->n_parts;
+    if (!smr_align_changes(w, &j->changes))
+        return SMR_E_STATE;
+    w->joint = joint;
+    for (uint32_t i = 0; i < w->n_parts; i++)
+        w->part[i].order = 0;
+    memset(joint, 0, w->n_parts * sizeof *joint);
     w->few = config->samples / 10u + 8u;
     w->some = config->samples / 3u + 8u;
     w->all = config->samples;
