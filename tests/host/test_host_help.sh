@@ -56,7 +56,7 @@ if command -v bash >/dev/null && bash -c 'type mapfile compgen' >/dev/null 2>&1;
     offers 'register replay' smr re
     offers '--version' smr --v
     offers '--help --version' smr --
-    offers 'none rigid similarity' smr register --align ''
+    offers 'none rigid similarity parts' smr register --align ''
     offers 'similarity' smr register --model a.ply --align s
     offers '--budget-ms' smr register --model a.ply --budget-m
     offers 'femur.ply' smr register --model fem
@@ -83,7 +83,7 @@ if command -v zsh >/dev/null; then
     zsh_says smr '' >zsh.txt 2>&1
     check "zsh: commands with their purposes" grep -q '^register:deform a model' zsh.txt
     zsh_says smr register '' >zsh.txt 2>&1
-    check "zsh: words" grep -q -e '^--align\[.*:none|rigid|similarity:(none rigid similarity)$' zsh.txt
+    check "zsh: words" grep -q -e '^--align\[.*:none|rigid|similarity|parts:(none rigid similarity parts)$' zsh.txt
     check "zsh: files" grep -q -e '^--model\[.*:\*-\*:FILE...:_files$' zsh.txt
     check "zsh: all options of register" [ "$(grep -c -e '^-' zsh.txt)" -eq "$(($(grep -c '^register' list.txt) + 1))" ]
 else skip "zsh completes" "no zsh"; fi

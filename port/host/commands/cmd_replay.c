@@ -81,7 +81,7 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
             info.config.partial.coverage; /* older logs have no word for it in their command line */
     r->options.truth = NULL;              /* a replay measures nothing */
     r->options.log = NULL;
-    if (r->options.landmarks.n == 0)
+    if (r->options.landmarks.n == 0 && r->options.align != HOST_ALIGN_PARTS)
         r->options.align = HOST_ALIGN_NONE; /* the pose is in the log */
     return 0;
 }

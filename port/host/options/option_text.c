@@ -91,8 +91,9 @@ static const struct {
     {"--ticks", 0, "N", "at most so many ticks (the schedule)"},
     {"--budget-ms", 0, "MS", "time of a tick; 0: no clock, deterministic (0)"},
     {"--budget-exact", 0, "", "a budget leaves out no vertex: iterations span ticks, the result stays"},
-    {"--align", 0, "none|rigid|similarity",
-     "start pose from the surfaces; with --landmarks: fitted to them, in place of the spline (none)"},
+    {"--align", 0, "none|rigid|similarity|parts",
+     "start pose from the surfaces, parts: of each structure, for joints; with --landmarks: fitted to them, in place "
+     "of the spline (none)"},
     {"--vertex-errors", 0, "", "results have seen (0, 1) and expected_error (mm) of each vertex"},
     {"--paper", 0, "", "model and registration as the paper has them, where no option says otherwise"},
     {"--accept", 0, "good|look", "the worst verdict whose exit status is 0 (good)"},

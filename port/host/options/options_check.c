@@ -96,7 +96,8 @@ static int check_bench(const host_options *asked, host_error *error)
                           {"--mirror-model", files, "--model beside it"},
                           {"--mirror-target", files, "--model beside it"},
                           {"--align", files, "--model beside it"},
-                          {"--align", asked->figure1 != 0, "--figure1 beside it"}};
+                          {"--align", asked->figure1 != 0, "--figure1 beside it"},
+                          {"--align", asked->align != HOST_ALIGN_PARTS, "rigid or similarity"}};
     if (asked->figure1 + asked->figure2 + asked->soak != 1u)
         return host_fail(error, "bench", "one of --figure1, --figure2 and --soak");
     if (asked->out == NULL)
@@ -216,6 +217,10 @@ static int check_start(const host_options *asked, host_error *error)
     const rule rules[] = {
         {"--align", !asked->image_target || asked->align == HOST_ALIGN_NONE || landmarks || asked->landmark_goals.n > 0,
          "--landmarks beside it or surfaces as the target, it is a volume"},
+        {"--align",
+         asked->align != HOST_ALIGN_PARTS ||
+             (asked->command == HOST_REGISTER && !asked->image_target && !landmarks && asked->landmark_goals.n == 0),
+         "surfaces alone as the target for parts"},
         {"--smoothing", landmarks && asked->align == HOST_ALIGN_NONE,
          "--landmarks and no --align beside it, it smooths their spline"}};
     return check_rules(asked, rules, sizeof rules / sizeof rules[0], error);

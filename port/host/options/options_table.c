@@ -57,7 +57,7 @@ const host_option host_option_table[] = {
     {"--ticks", ONTO, HOST_KIND_COUNT, OWN(ticks), 1, 1e9, 0, 0, NULL, 0},
     {"--budget-ms", ONTO, HOST_KIND_DOUBLE, OWN(budget_ms), 0, 1e6, 0, 0, NULL, 0},
     {"--budget-exact", ONTO, HOST_KIND_FLAG, CONFIG(basic.budget_exact), LIBRARY, 0, NULL, 0},
-    {"--align", ONTO | HOST_BENCH, HOST_KIND_WORD, OWN(align), 0, 0, 0, 0, "none|rigid|similarity", 0},
+    {"--align", ONTO | HOST_BENCH, HOST_KIND_WORD, OWN(align), 0, 0, 0, 0, "none|rigid|similarity|parts", 0},
     {"--vertex-errors", HOST_REGISTER, HOST_KIND_FLAG, OWN(vertex_errors), 0, 0, 0, 0, NULL, 0},
     {"--format", ONTO, HOST_KIND_WORD, OWN(format), 0, 0, 0, 0, "ply|stl|vtk|obj", 0},
     {"--slicer", HOST_REGISTER, HOST_KIND_TEXT, OWN(slicer), 0, 0, 0, 0, NULL, 0},

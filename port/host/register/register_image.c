@@ -240,21 +240,36 @@ static void doubt_pairs(host_job *job, const host_landmarks *set, const float *f
         job->start_scale = doubt.scale;
 }
 
-/* Applies the warp to all rest positions. They are read from the prepared model, which rounds them, so that a .smr and
- * the surfaces it was built from give the same bits. */
+static smr_status start_of(const host_job *job, uint32_t part, float *xyz, uint32_t n)
+{
+    const smr_pose *const p = job->part != NULL ? &job->part[part].pose : NULL;
+    if (p == NULL)
+        return smr_warp_apply(job->warp, xyz, n);
+    for (float *at = xyz; at < xyz + 3u * (size_t)n; at += 3) {
+        const float x = at[0], y = at[1], z = at[2];
+        for (uint32_t r = 0; r < 3; r++)
+            at[r] = p->m[r][0] * x + p->m[r][1] * y + p->m[r][2] * z + p->m[r][3];
+    }
+    return SMR_OK;
+}
+
+/* Applies the warp, or the poses of parts, to all rest positions. They are read from the prepared model, which rounds
+ * them, so that a .smr and the surfaces it was built from give the same bits. */
 int host_job_warp(host_job *job, host_error *error)
 {
     float *xyz = NULL;
-    if (job->warp == NULL)
+    if (job->warp == NULL && job->part == NULL)
         return 0;
-    error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0] : "landmarks";
+    error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0]
+                  : job->part != NULL           ? "--align"
+                                                : "landmarks";
     job->start_xyz = xyz = malloc(3u * sizeof *xyz * job->model.info.n_vertices);
     if (xyz == NULL)
         return host_fail(error, "start", "free memory");
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const uint32_t n = job->model.part[i].mesh.n_vertices;
         const size_t count = 3u * (size_t)n;
-        if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK || smr_warp_apply(job->warp, xyz, n) != SMR_OK)
+        if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK || start_of(job, i, xyz, n) != SMR_OK)
             return host_fail_at(error, "structure", i, "a model that the landmarks' warp can carry");
         for (size_t k = 0; k < count; k++)
             if (!(xyz[k] >= -SMR_COORD_MAX && xyz[k] <= SMR_COORD_MAX)) /* written so that NaN fails */

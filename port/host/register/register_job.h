@@ -176,6 +176,7 @@ typedef struct host_job {
     smr_pose pose;       /* the start pose */
     float align_rms_mm;
     smr_align_report align_report;          /* of surfaces; n_alike 0 without */
+    smr_align_part *part;                   /* [model.n_parts] with --align parts; surfaces are gone; owned; or NULL */
     smr_warp *warp;                         /* of the landmarks; lies in warp_memory; NULL without landmarks */
     void *warp_memory;                      /* owned */
     float *start_xyz;                       /* [all vertices][3], start positions by landmarks; owned; NULL without */

@@ -255,6 +255,7 @@ void host_job_free(host_job *job)
     free(job->arena);
     free(job->log_memory);
     free(job->start_xyz);
+    free(job->part);
     free(job->warp_memory);
     free(job->goals);
     free(job->truth_paths);

@@ -187,18 +187,88 @@ static int join(const host_job *job, int targets, host_mesh *whole)
     return result;
 }
 
-static smr_status align_surfaces(host_job *job, const smr_surface *model, const smr_surface *target)
+static const smr_surface *surface_of(const host_mesh *mesh, void **memory)
+{
+    const smr_mesh view = host_mesh_view(mesh);
+    return mesh->n_triangles == 0 ? host_points_surface(mesh, memory) : host_surface_make(&view, memory);
+}
+
+/* Surfaces that are aligned: model and target as wholes; with --align parts also those of structures and targets. */
+typedef struct aligned {
+    const smr_surface *whole[2];
+    smr_align_part *part; /* [n_parts] of structures with triangles */
+    uint32_t *index;      /* [n_parts] their structures */
+    void **memory;        /* [n_memory], owned */
+    uint32_t n_parts, n_memory;
+} aligned;
+
+static void free_aligned(aligned *a)
+{
+    for (uint32_t i = 0; i < a->n_memory; i++)
+        free(a->memory[i]);
+    free(a->memory);
+    free(a->part);
+    free(a->index);
+}
+
+/* Makes the surfaces of structures, whose targets stand already, or are clouds. 0, or -1 without memory. */
+static int make_parts(const host_job *job, aligned *a)
+{
+    const uint32_t n = job->model.n_parts;
+    const smr_surface **const cloud = calloc(job->n_targets + 1u, sizeof *cloud);
+    int result = cloud == NULL ? -1 : 0;
+    for (uint32_t k = 0; result == 0 && k < job->n_targets; k++)
+        if (job->target[k].points != NULL &&
+            (cloud[k] = surface_of(&job->target[k].mesh, &a->memory[a->n_memory++])) == NULL)
+            result = -1;
+    for (uint32_t i = 0; result == 0 && i < n; i++) {
+        const uint32_t k = job->result[i].target;
+        smr_align_part *const part = &a->part[a->n_parts];
+        if (job->model.part[i].mesh.n_triangles == 0)
+            continue;
+        part->target = k == HOST_NO_TARGET ? NULL : job->target[k].points != NULL ? cloud[k] : job->target[k].surface;
+        part->model = surface_of(&job->model.part[i].mesh, &a->memory[a->n_memory++]);
+        a->index[a->n_parts++] = i;
+        result = part->model == NULL ? -1 : 0;
+    }
+    free((void *)cloud);
+    return result;
+}
+
+/* Keeps the poses of all structures; those without triangles have the whole's. */
+static int keep_parts(host_job *job, const aligned *a)
+{
+    job->part = calloc(job->model.n_parts, sizeof *job->part);
+    if (job->part == NULL)
+        return -1;
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
+        job->part[i].pose = job->pose;
+    for (uint32_t i = 0; i < a->n_parts; i++) {
+        smr_align_part *const part = &job->part[a->index[i]];
+        *part = a->part[i];
+        part->model = part->target = NULL;
+        if (part->order == 1u) /* the whole's report is of a model that is not rigid */
+            job->align_report = part->report;
+    }
+    return 0;
+}
+
+static smr_status align_surfaces(host_job *job, const aligned *a)
 {
     smr_align_config config = smr_align_config_default();
     size_t bytes = 0;
     config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
     config.port = &job->port.port;
+    config.n_parts = a->n_parts;
+    config.part = a->n_parts > 0 ? a->part : NULL;
     smr_status status = smr_align_bytes(&config, &bytes);
     void *scratch = host_alloc(bytes);
     if (scratch == NULL)
         return SMR_E_ARENA;
     if (status == SMR_OK)
-        status = smr_align(model, target, &config, scratch, bytes, &job->pose, &job->align_report);
+        status = smr_align(a->whole[0], a->whole[1], &config, scratch, bytes, &job->pose, &job->align_report);
+    if (status == SMR_OK && a->n_parts > 0 && keep_parts(job, a) != 0)
+        status = SMR_E_ARENA;
     job->align_rms_mm = job->align_report.rms_mm;
     free(scratch);
     return status;
@@ -206,22 +276,21 @@ static smr_status align_surfaces(host_job *job, const smr_surface *model, const 
 
 static int align(host_job *job, host_error *error)
 {
-    host_mesh mesh[2];
-    void *memory[2] = {NULL, NULL};
-    const smr_surface *surface[2] = {NULL, NULL};
+    const uint32_t n = job->model.n_parts;
+    aligned a = {.part = calloc(n, sizeof *a.part),
+                 .index = calloc(n, sizeof *a.index),
+                 .memory = calloc(n + job->n_targets + 2u, sizeof *a.memory)};
     smr_status status = SMR_E_ARENA;
-    for (int i = 0; i < 2; i++) {
-        if (join(job, i, &mesh[i]) == 0) {
-            const smr_mesh view = host_mesh_view(&mesh[i]);
-            surface[i] = mesh[i].n_triangles == 0 ? host_points_surface(&mesh[i], &memory[i])
-                                                  : host_surface_make(&view, &memory[i]);
-        }
-        host_mesh_free(&mesh[i]);
+    for (int i = 0; i < 2 && a.memory != NULL; i++) {
+        host_mesh mesh;
+        if (join(job, i, &mesh) == 0)
+            a.whole[i] = surface_of(&mesh, &a.memory[a.n_memory++]);
+        host_mesh_free(&mesh);
     }
-    if (surface[0] != NULL && surface[1] != NULL)
-        status = align_surfaces(job, surface[0], surface[1]);
-    free(memory[0]);
-    free(memory[1]);
+    if (a.whole[0] != NULL && a.whole[1] != NULL && a.part != NULL && a.index != NULL &&
+        (job->options->align != HOST_ALIGN_PARTS || make_parts(job, &a) == 0))
+        status = align_surfaces(job, &a);
+    free_aligned(&a);
     error->file = "--align";
     if (status == SMR_OK)
         return 0;

@@ -97,6 +97,11 @@ static void judge_start(const host_job *job, host_verdict *verdict)
                          "the result lies %.0f mm from where the landmarks put the model: look at their places",
                          moved_mm(job));
     judge_align(&job->align_report, verdict);
+    for (uint32_t i = 0; i < job->model.n_parts && job->part != NULL; i++)
+        if (job->result[i].target != HOST_NO_TARGET && job->part[i].order > 0 && job->part[i].report.n_alike == 0)
+            host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                             "no start pose of its own was found for %s, it starts with its neighbour",
+                             job->model.part[i].name);
     if (job->landmark_doubt[0] != '\0')
         host_verdict_add(verdict, HOST_VERDICT_LOOK, "%s", job->landmark_doubt);
     if (beyond(job->start_scale, SCALE_MOST))

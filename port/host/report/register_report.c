@@ -19,7 +19,7 @@ static double measured(float figure) { return figure < 0.0f ? (double)NAN : (dou
 /* Writes the kind of start. */
 static void put_kind(const host_job *job, host_json *json)
 {
-    static const char *const poses[] = {"none", "surfaces rigid", "surfaces similarity"};
+    static const char *const poses[] = {"none", "surfaces rigid", "surfaces similarity", "surfaces parts"};
     char text[40];
     if (job->n_landmarks > 0)
         (void)snprintf(text, sizeof text, "landmarks %s", host_warp_name(job->warp_kind));
@@ -299,7 +299,7 @@ static void put_landmark_goals(const host_job *job, host_json *json)
 
 static void put_start(const host_job *job, host_json *json)
 {
-    static const char *const names[] = {"none", "rigid", "similarity"};
+    static const char *const names[] = {"none", "rigid", "similarity", "parts"};
     put_kind(job, json);
     put_align(&job->align_report, json);
     host_json_text(json, "align", names[job->options->align]);
