@@ -30,6 +30,8 @@ typedef struct case_options {
     double side_deg;            /* degrees */
     double deform_mm, sigma_mm; /* mean displacement over the surface, and of the Gaussians */
     double shift_mm, turn_deg;  /* how far the model starts from the target */
+    double flex_deg;            /* turn of all bodies but the first about the VHM's right hip joint */
+    int joined;                 /* 1: all bodies' targets are in the first one's file */
     double noise_mm;            /* standard deviation along the normals */
     double outliers;            /* share of the target's vertices that belong to stray triangles */
 } case_options;
@@ -246,5 +248,6 @@ void case_spread(char **word);
 void case_depths(char **word);
 void case_crop(char **word);
 void case_rician(char **word);
+void case_figure(char **word);
 
 #endif

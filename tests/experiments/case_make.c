@@ -269,6 +269,26 @@ static void make_surfaces(case_body *body, const bend *b, oracle_random *r)
     bend_mesh(&body->target, b);
 }
 
+/* Flexes the hip: turns a body's truth and target about the axis to the left through the head of the VHM's femur. */
+static void flex(case_body *body, double degrees)
+{
+    static const double left[3] = {1.0, 0.0, 0.0}, head[3] = {-91.5, 3.2, -1.8};
+    host_mesh *const mesh[] = {&body->truth, &body->whole, &body->target};
+    double turn[9];
+    oracle_turn(left, case_radians(-degrees), turn);
+    for (int i = 0; i < 3; i++)
+        case_apply(mesh[i], turn, head, head);
+}
+
+static void join_targets(case_data *data)
+{
+    for (uint32_t i = 1; i < data->n; i++) {
+        if (host_mesh_append(&data->body[0].target, &data->body[i].target) != 0)
+            case_fail("out of memory");
+        host_mesh_free(&data->body[i].target);
+    }
+}
+
 /* Turns all models about their common middle and shifts them. */
 static void move_to_start(case_data *data, const case_options *options)
 {
@@ -295,8 +315,11 @@ void case_make(case_data *data, const case_options *options)
     const bend b = make_bend(data, options, 0);
     oracle_random r = oracle_seed(8000u + options->seed);
     double axes[9], visible = 0.0, area = 0.0;
-    for (uint32_t i = 0; i < data->n; i++)
+    for (uint32_t i = 0; i < data->n; i++) {
         make_surfaces(&data->body[i], &b, &r);
+        if (i > 0u)
+            flex(&data->body[i], options->flex_deg);
+    }
     case_axes(data, axes);
     for (uint32_t i = 0; i < data->n; i++) {
         case_body *const body = &data->body[i];
@@ -314,6 +337,8 @@ void case_make(case_data *data, const case_options *options)
         if (host_mesh_append(&data->body[0].target, &data->beside) != 0)
             case_fail("out of memory");
     }
+    if (options->joined)
+        join_targets(data);
     move_to_start(data, options);
 }
 

@@ -8,7 +8,8 @@
 static const char usage[] =
     "case_tool make [NAME=VALUE...] DIR [x:]FILE...       model, target, truth, whole, seen in DIR; x: mirrored\n"
     "    seed part (whole side patches end front) share patches noise outliers deform sigma shift turn; "
-    "view=SEED: a patch of any size, seen from any start; beside=FILE: in the first target, too\n"
+    "view=SEED: a patch of any size, seen from any start; beside=FILE: in the first target, too;\n"
+    "    flex=DEG: all but the first turn about the hip joint; joined=1: one target file\n"
     "case_tool pair DIR [x:]MODEL [x:]TARGET A B C D [TRUTH]   another's surface: shares A-B of the model, C-D of the "
     "target; TRUTH: where the model's vertices belong\n"
     "case_tool kind SEED DATA DIR [NAME]                  a run that verdicts are judged by\n"
@@ -45,7 +46,7 @@ static const struct {
 } numbers[] = {{"share", offsetof(case_options, share)},       {"noise", offsetof(case_options, noise_mm)},
                {"outliers", offsetof(case_options, outliers)}, {"deform", offsetof(case_options, deform_mm)},
                {"sigma", offsetof(case_options, sigma_mm)},    {"shift", offsetof(case_options, shift_mm)},
-               {"turn", offsetof(case_options, turn_deg)}};
+               {"turn", offsetof(case_options, turn_deg)},     {"flex", offsetof(case_options, flex_deg)}};
 
 static void set_option(case_options *o, const char *word)
 {
@@ -60,6 +61,8 @@ static void set_option(case_options *o, const char *word)
         o->seed = (uint32_t)value;
     else if (strncmp(word, "view", n) == 0)
         set_view(o, (uint32_t)value);
+    else if (strncmp(word, "joined", n) == 0)
+        o->joined = (int)value;
     else if (strncmp(word, "patches", n) == 0)
         o->patches = (int)value;
 }
@@ -184,12 +187,12 @@ int main(int argc, char **argv)
         const char *name;
         int least; /* words */
         void (*run)(char **word);
-    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},      {"kind", 3, do_kind},
-               {"measure", 2, do_measure},   {"apart", 2, do_apart},    {"size", 1, do_size},
-               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},    {"displaced", 4, case_displaced},
-               {"spread", 7, case_spread},   {"click", 4, case_click},  {"depths", 4, case_depths},
-               {"feed", 7, case_feed},       {"cloud", 7, case_cloud},  {"follow", 1, case_follow},
-               {"crop", 7, case_crop},       {"rician", 4, case_rician}};
+    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},       {"kind", 3, do_kind},
+               {"measure", 2, do_measure},   {"apart", 2, do_apart},     {"size", 1, do_size},
+               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},     {"displaced", 4, case_displaced},
+               {"spread", 7, case_spread},   {"click", 4, case_click},   {"depths", 4, case_depths},
+               {"feed", 7, case_feed},       {"cloud", 7, case_cloud},   {"follow", 1, case_follow},
+               {"crop", 7, case_crop},       {"rician", 4, case_rician}, {"figure", 4, case_figure}};
     for (size_t i = 0; argc > 1 && i < sizeof all / sizeof all[0]; i++)
         if (strcmp(argv[1], all[i].name) == 0 && argc - 2 >= all[i].least) {
             all[i].run(argv + 2);

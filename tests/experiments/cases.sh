@@ -2,7 +2,7 @@
 # cases: experiments on data as they are, a function for each group; written with the words of experiments.sh, which reads it.
 # SPDX-License-Identifier: MIT
 
-groups='thigh parts track persons references volume contact landmarks scene verdict shown noise points mri ct fusing budgets' # the longest first
+groups='thigh parts track persons references volume contact landmarks scene verdict shown noise points mri ct fusing joints budgets' # the longest first
 ! full || groups="views carry $groups"
 
 thigh='--model data/hip_thigh_vhm/*.ply --reference data/thigh_patient/mri_reference.mha'
@@ -325,4 +325,29 @@ group_volume() {
             awk '/^A to B: mean/ { s += $5; n++ } END { print "clean", s / n }' | keep smooth_$x
     done
     bound 'half is smoothed: to the surfaces without noise, over none' smooth_0.5.clean/smooth_0.clean 0.75
+}
+
+# Hip bone, femur and patella, deformed by 3 mm with noise of 0.5 mm, the hip flexed: onto a target of each, and onto one
+# file of all. A figure of one surface with bent limbs, whole and without its upper third, has no start by parts: when
+# that ends far off, the verdict is not good.
+group_joints() {
+    need hip_thigh_vhm || return
+    v=data/hip_thigh_vhm
+    for degrees in $(either short 60 '20 40 60'); do for joined in $(either short 1 '0 1'); do
+        row=joint:$degrees:$joined
+        tool make flex=$degrees joined=$joined deform=3 case $v/hip_bone.ply $v/femur.ply $v/patella.ply >/dev/null
+        register $row --model case/model/*.ply --target case/target/*.ply --align parts
+        measure $row case
+        within $row vertex 1 surface 0.3 1-good 0
+        rm -r case
+    done; done
+    full || return 0
+    for degrees in 20 40 60 90; do for cut in 0 1; do
+        row=figure:$degrees:$cut
+        tool figure 1 $degrees $cut case
+        register $row --model case/model/*.ply --target case/target/*.ply
+        measure $row case
+        bound "$row: good beyond 3 mm" "$row.vertex>3 && $row.good" 0
+        rm -r case
+    done; done
 }
