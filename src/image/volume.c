@@ -3,6 +3,7 @@
  * Method: index coordinates first + k move are monotonic in k, even when rounded, so the samples inside are one run,
  * found by its two ends. The run is processed in batches by loops that compilers vectorise.
  * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
 #include "image/volume.h"
 
 #define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis of a volume */
@@ -52,11 +53,13 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
     return SMR_OK;
 }
 
-#define SMR_BATCH 32u /* number of samples that one batch interpolates */
+#define SMR_BATCH 32u /* largest number of samples that one batch interpolates */
+#define SMR_WIDTH 4u  /* loops over a batch take a multiple of this many samples, the last sample several times */
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
-    float first[3], move[3];
+    float first[3], move[3]; /* 0 along an axis of one voxel, once the samples inside are known */
+    int32_t last[3];         /* largest index of a lower voxel */
 } line;
 
 static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing)
@@ -73,41 +76,48 @@ typedef struct cells {
     float fraction[3][SMR_BATCH]; /* distance from the lower voxel / distance between voxels, 0 .. 1 */
 } cells;
 
+static inline uint32_t padded(uint32_t n) { return (n + SMR_WIDTH - 1u) & ~(SMR_WIDTH - 1u); }
+
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
     size_t row, slice; /* from one row to the next; from one slice to the next */
     size_t dx, dy, dz; /* from a voxel to the next one in x, y, z; 0 for an axis of one voxel */
 } strides;
 
-/* Returns 1 when the index coordinate `at` lies inside an axis of n voxels. */
-static int on_axis(float at, uint32_t n) { return n == 1u ? smr_within(at, 0.5f) : at >= 0 && at <= (float)(n - 1u); }
+static int between(float at, float low, float high) { return at >= low && at <= high; }
 
 /* Shrinks the run of samples *from .. *to - 1 to those inside an axis of `size` voxels. */
-static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
+static void clip(line *l, uint32_t axis, uint32_t size, uint32_t *from, uint32_t *to)
 {
-    while (*from < *to && !on_axis(first + move * (float)*from, size))
+    const float first = l->first[axis], move = l->move[axis];
+    const float low = size == 1u ? -0.5f : 0.0f, high = size == 1u ? 0.5f : (float)(int32_t)(size - 1u);
+    while (*from < *to && !between(first + move * (float)(int32_t)*from, low, high))
         ++*from;
-    while (*to > *from && !on_axis(first + move * (float)(*to - 1u), size))
+    while (*to > *from && !between(first + move * (float)(int32_t)(*to - 1u), low, high))
         --*to;
+    l->last[axis] = size == 1u ? 0 : (int32_t)size - 2;
+    if (size == 1u)
+        l->first[axis] = l->move[axis] = 0.0f;
+}
+
+/* Writes the lower voxel and the fraction, along an axis, of sample i of a batch, which is sample k of the line. */
+static inline void find_cell(const line *l, uint32_t axis, float k, uint32_t i, cells *c)
+{
+    const float at = l->first[axis] + l->move[axis] * k;
+    const int32_t voxel = (int32_t)at, lower = voxel - (voxel > l->last[axis]); /* voxel is at most last + 1 */
+    c->lower[axis][i] = lower;
+    c->fraction[axis][i] = at - (float)lower;
 }
 
 /* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
-static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t n, cells *c)
+static void find_cells(const line *l, uint32_t k, uint32_t n, cells *c)
 {
-    for (uint32_t axis = 0; axis < 3u; axis++) {
-        if (v->size[axis] == 1u) {
-            memset(c->lower[axis], 0, sizeof c->lower[axis]);
-            memset(c->fraction[axis], 0, sizeof c->fraction[axis]);
-            continue;
-        }
-        const int32_t last = (int32_t)v->size[axis] - 2;
-        const float first = l->first[axis], move = l->move[axis];
-        for (uint32_t i = 0; i < n; i++) {
-            const float at = first + move * (float)(int32_t)(k + i);
-            const int32_t voxel = (int32_t)at, lower = voxel < last ? voxel : last;
-            c->lower[axis][i] = lower;
-            c->fraction[axis][i] = at - (float)lower;
-        }
+    const float end = (float)(int32_t)(k + n - 1u);
+    for (uint32_t i = 0; i < padded(n); i++) {
+        const float at = smr_min((float)(int32_t)(k + i), end);
+        find_cell(l, 0, at, i, c);
+        find_cell(l, 1, at, i, c);
+        find_cell(l, 2, at, i, c);
     }
 }
 
@@ -117,39 +127,64 @@ static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
     return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
 }
 
-/* Defines a function that interpolates n samples in voxels of `type`, gathered as `number`, which vectorises. */
-#define SMR_TRILINEAR(name, type, number)                                                                              \
+/* Returns the value between eight voxels: v000 the lowest of them, v100 the next one in x, v010 in y. */
+static inline float blend(const cells *c, uint32_t i, float v000, float v100, float v010, float v110, float v001,
+                          float v101, float v011, float v111)
+{
+    const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];
+    const float a = v000 + fx * (v100 - v000), b = v010 + fx * (v110 - v010);
+    const float e = v001 + fx * (v101 - v001), f = v011 + fx * (v111 - v011);
+    const float near = a + fy * (b - a), far = e + fy * (f - e);
+    return near + fz * (far - near);
+}
+
+/* Returns one of two successive voxels of `bits` bits, second: 0 or 1. */
+#define SMR_OF_PAIR(number, bits, pair, second)                                                                        \
+    (float)(int32_t)((number)((pair) << (32u - (bits) * (1u + ((second) ^ SMR_BIG_ENDIAN)))) >> (32u - (bits)))
+
+/* Defines a function that interpolates n samples in voxels of `bits` bits, gathered in pairs, which vectorises. */
+#define SMR_TRILINEAR(name, bits, two, number)                                                                         \
+    static inline uint32_t name##_pair(const uint8_t *v, size_t dx)                                                    \
+    {                                                                                                                  \
+        two pair = 0;                                                                                                  \
+        if (dx != 0u)                                                                                                  \
+            memcpy(&pair, v, sizeof pair);                                                                             \
+        else                                                                                                           \
+            memcpy(&pair, v, sizeof pair / 2u); /* the other half of the pair is beyond the last voxel */              \
+        return pair;                                                                                                   \
+    }                                                                                                                  \
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
-        number corner[8][SMR_BATCH];                                                                                   \
-        for (uint32_t i = 0; i < n; i++) {                                                                             \
-            const type *v = (const type *)voxels + first_voxel(c, i, d);                                               \
-            corner[0][i] = v[0];                                                                                       \
-            corner[1][i] = v[d->dx];                                                                                   \
-            corner[2][i] = v[d->dy];                                                                                   \
-            corner[3][i] = v[d->dy + d->dx];                                                                           \
-            v += d->dz;                                                                                                \
-            corner[4][i] = v[0];                                                                                       \
-            corner[5][i] = v[d->dx];                                                                                   \
-            corner[6][i] = v[d->dy];                                                                                   \
-            corner[7][i] = v[d->dy + d->dx];                                                                           \
+        const size_t bytes = (bits) / 8u, dx = d->dx, dy = bytes * d->dy, dz = bytes * d->dz;                          \
+        uint32_t pair[4][SMR_BATCH];                                                                                   \
+        for (uint32_t i = 0; i < padded(n); i++) {                                                                     \
+            const uint8_t *v = (const uint8_t *)voxels + bytes * first_voxel(c, i, d);                                 \
+            pair[0][i] = name##_pair(v, dx);                                                                           \
+            pair[1][i] = name##_pair(v + dy, dx);                                                                      \
+            pair[2][i] = name##_pair(v + dz, dx);                                                                      \
+            pair[3][i] = name##_pair(v + dz + dy, dx);                                                                 \
         }                                                                                                              \
-        for (uint32_t i = 0; i < n; i++) {                                                                             \
-            const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];                        \
-            const float a = (float)corner[0][i] + fx * ((float)corner[1][i] - (float)corner[0][i]);                    \
-            const float b = (float)corner[2][i] + fx * ((float)corner[3][i] - (float)corner[2][i]);                    \
-            const float e = (float)corner[4][i] + fx * ((float)corner[5][i] - (float)corner[4][i]);                    \
-            const float f = (float)corner[6][i] + fx * ((float)corner[7][i] - (float)corner[6][i]);                    \
-            const float near = a + fy * (b - a), far = e + fy * (f - e);                                               \
-            value[i] = near + fz * (far - near);                                                                       \
-        }                                                                                                              \
+        for (uint32_t i = 0; i < padded(n); i++)                                                                       \
+            value[i] =                                                                                                 \
+                blend(c, i, SMR_OF_PAIR(number, bits, pair[0][i], 0u), SMR_OF_PAIR(number, bits, pair[0][i], 1u),      \
+                      SMR_OF_PAIR(number, bits, pair[1][i], 0u), SMR_OF_PAIR(number, bits, pair[1][i], 1u),            \
+                      SMR_OF_PAIR(number, bits, pair[2][i], 0u), SMR_OF_PAIR(number, bits, pair[2][i], 1u),            \
+                      SMR_OF_PAIR(number, bits, pair[3][i], 0u), SMR_OF_PAIR(number, bits, pair[3][i], 1u));           \
     }
 
-SMR_TRILINEAR(sample_uint8, uint8_t, int32_t)
-SMR_TRILINEAR(sample_int8, int8_t, int32_t)
-SMR_TRILINEAR(sample_uint16, uint16_t, int32_t)
-SMR_TRILINEAR(sample_int16, int16_t, int32_t)
-SMR_TRILINEAR(sample_float, float, float)
+SMR_TRILINEAR(sample_uint8, 8u, uint16_t, uint32_t)
+SMR_TRILINEAR(sample_int8, 8u, uint16_t, int32_t)
+SMR_TRILINEAR(sample_uint16, 16u, uint32_t, uint32_t)
+SMR_TRILINEAR(sample_int16, 16u, uint32_t, int32_t)
+
+static void sample_float(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float *const v = (const float *)voxels + first_voxel(c, i, d), *const far = v + d->dz;
+        value[i] =
+            blend(c, i, v[0], v[d->dx], v[d->dy], v[d->dy + d->dx], far[0], far[d->dx], far[d->dy], far[d->dy + d->dx]);
+    }
+}
 
 /* Writes value[i], the interpolated intensity of sample i of the batch, i < n. */
 static void sample(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value)
@@ -174,7 +209,6 @@ static int masked(const uint8_t *lo, const strides *d)
 static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value, uint8_t *inside)
 {
     uint32_t left = n;
-    memset(inside, 1, n);
     for (uint32_t i = 0; (v->mask != NULL || v->type == SMR_VOXEL_FLOAT) && i < n; i++) {
         if ((v->mask == NULL || !masked(v->mask + first_voxel(c, i, d), d)) && smr_within(value[i], SMR_HUGE))
             continue;
@@ -190,17 +224,21 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     const smr_volume *v = &grid->volume;
     const size_t row = v->size[0], slice = row * v->size[1];
     const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
-    const line l = line_of(grid, start, spacing);
+    line l = line_of(grid, start, spacing);
     uint32_t from = 0, to = n, count = 0;
     for (uint32_t axis = 0; axis < 3u; axis++)
-        clip(l.first[axis], l.move[axis], v->size[axis], &from, &to);
-    memset(value, 0, n * sizeof *value);
+        clip(&l, axis, v->size[axis], &from, &to);
+    if (to - from < n)
+        memset(value, 0, n * sizeof *value);
     memset(inside, 0, n);
+    memset(inside + from, 1, to - from);
     for (uint32_t k = from; k < to; k += SMR_BATCH) {
         cells c;
+        float batch[SMR_BATCH];
         const uint32_t some = smr_min_u32(to - k, SMR_BATCH);
-        find_cells(v, &l, k, some, &c);
-        sample(v, &c, &d, some, value + k);
+        find_cells(&l, k, some, &c);
+        sample(v, &c, &d, some, batch);
+        memcpy(value + k, batch, some * sizeof *batch);
         count += drop(v, &c, &d, some, value + k, inside + k);
     }
     return count;
