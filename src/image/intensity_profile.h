@@ -34,7 +34,8 @@ typedef struct smr_similarity {
 } smr_similarity;
 
 /* Returns the offset 0 .. m - n at which the reference, of n samples, is most similar to line[m]. Without a match the
- * confidence is 0. With correlation the result does not depend on the reference's low and range. */
+ * confidence is 0. With correlation the result does not depend on the reference's low and range. inside[m]: 1 for
+ * samples inside the image; NULL: all are. */
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const uint8_t *inside, uint32_t m,
                            const smr_similarity *how);
 

@@ -319,7 +319,7 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
                                 c->image.blend == SMR_BLEND_PLAIN};
     if (l.reach > 0u)
-        match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
+        match = smr_profile_match(&as_bright, line + first, whole ? NULL : inside + first, r.n + 2u * l.reach, &how);
     smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
     if (noise > SMR_NOISY_EDGE)
         edge.confidence *= smr_max(SMR_NOISY_EDGE / noise, 0.5f);
