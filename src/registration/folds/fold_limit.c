@@ -87,24 +87,26 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     }
 }
 
-/* Returns 1 when no corner near the edge has moved since the edge was last tested. */
-static int passed_over(const smr_folds *f, uint32_t i)
+/* Returns 1 when no corner near an edge of these two triangles has moved since the edge was last tested. */
+static int passed_over(const smr_folds *f, uint32_t first, uint32_t second, uint32_t round)
 {
-    const smr_stored_dihedral *h = smr_edge_at(f, i);
-    const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h), round = f->limit.round;
-    if (round == 0u)
-        return f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u;
     return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||
            (!smr_any_marked(f, first) && !smr_any_marked(f, second));
 }
 
+/* Tests the dihedral edges from .. to - 1, of one task of fold_find.c. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_fold_limit *l = &f->limit;
+    const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
+    const uint32_t round = l->round, n = f->shared->n_triangles;
+    if (round == 0u && f->tally[from / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u)
+        return;
     for (uint32_t i = from; i < to; i++) {
-        if (passed_over(f, i))
+        const smr_stored_dihedral *h = dihedral + i;
+        if (round > 0u && passed_over(f, smr_index(smr_le32(h->first), n),
+                                      smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, n), round))
             continue;
-        const smr_stored_dihedral *h = smr_edge_at(f, i);
         const float next = smr_dihedral_cosine(f, f->shape->x_next, h), limit = smr_edge_limit(h);
         if (l->round < SMR_SOFT_ROUNDS) {
             const float share = smr_fold_limit_share(f, h, next);
