@@ -62,14 +62,6 @@ typedef struct line {
     int32_t last[3];         /* largest index of a lower voxel */
 } line;
 
-static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing)
-{
-    line l;
-    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(grid->volume.origin))));
-    smr_store(l.move, smr_mul(grid->to_index, spacing));
-    return l;
-}
-
 /* Where each sample of a batch lies between voxels, for each axis. */
 typedef struct cells {
     int32_t lower[3][SMR_BATCH];  /* index, along the axis, of the voxel at or below the sample */
@@ -98,6 +90,19 @@ static void clip(line *l, uint32_t axis, uint32_t size, uint32_t *from, uint32_t
     l->last[axis] = size == 1u ? 0 : (int32_t)size - 2;
     if (size == 1u)
         l->first[axis] = l->move[axis] = 0.0f;
+}
+
+/* Returns a line in index coordinates. Of its n samples, samples *from .. *to - 1 lie inside the volume. */
+static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, uint32_t *from, uint32_t *to)
+{
+    line l;
+    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(grid->volume.origin))));
+    smr_store(l.move, smr_mul(grid->to_index, spacing));
+    *from = 0;
+    *to = n;
+    for (uint32_t axis = 0; axis < 3u; axis++)
+        clip(&l, axis, grid->volume.size[axis], from, to);
+    return l;
 }
 
 /* Writes the lower voxel and the fraction, along an axis, of sample i of a batch, which is sample k of the line. */
@@ -224,10 +229,8 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     const smr_volume *v = &grid->volume;
     const size_t row = v->size[0], slice = row * v->size[1];
     const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
-    line l = line_of(grid, start, spacing);
-    uint32_t from = 0, to = n, count = 0;
-    for (uint32_t axis = 0; axis < 3u; axis++)
-        clip(&l, axis, v->size[axis], &from, &to);
+    uint32_t from, to, count = 0;
+    const line l = line_of(grid, start, spacing, n, &from, &to);
     if (to - from < n)
         memset(value, 0, n * sizeof *value);
     memset(inside, 0, n);
@@ -250,14 +253,12 @@ void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32
 {
     const smr_volume *v = &grid->volume;
     const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
-    const line l = line_of(grid, start, spacing);
-    const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
-    for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
+    uint32_t from, to;
+    const line l = line_of(grid, start, spacing, n, &from, &to);
+    for (uint32_t k = from; k < to; k += SMR_AHEAD) {
         const smr_vec at = smr_add(smr_load(l.first), smr_scale(smr_load(l.move), (float)(int32_t)k));
-        if (!(at.x >= 0.0f && at.x < top.x && at.y >= 0.0f && at.y < top.y && at.z >= 0.0f && at.z < top.z))
-            continue;
-        const size_t to = bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y + slice * (size_t)(int32_t)at.z;
-        const uint8_t *cell = (const uint8_t *)v->voxels + to;
+        const uint8_t *cell = (const uint8_t *)v->voxels + bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y +
+                              slice * (size_t)(int32_t)at.z;
         __builtin_prefetch(cell);
         __builtin_prefetch(cell + row);
         __builtin_prefetch(cell + slice);
