@@ -49,6 +49,10 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
         return SMR_E_INPUT;
     for (uint32_t i = 0; i < 9u; i++)
         grid->to_index[i] /= volume->spacing[i / 3u];
+    for (uint32_t a = 0; a < 3u; a++) {
+        grid->low[a] = volume->size[a] == 1u ? -0.5f : 0.0f;
+        grid->high[a] = volume->size[a] == 1u ? 0.5f : (float)(int32_t)(volume->size[a] - 1u);
+    }
     grid->volume = *volume;
     return SMR_OK;
 }
@@ -78,17 +82,16 @@ typedef struct strides {
 
 static int between(float at, float low, float high) { return at >= low && at <= high; }
 
-/* Shrinks the run of samples *from .. *to - 1 to those inside an axis of `size` voxels. */
-static void clip(line *l, uint32_t axis, uint32_t size, uint32_t *from, uint32_t *to)
+/* Shrinks the run of samples *from .. *to - 1 of a line to those inside along an axis. */
+static void clip(const smr_grid *grid, line *l, uint32_t axis, uint32_t *from, uint32_t *to)
 {
-    const float first = l->first[axis], move = l->move[axis];
-    const float low = size == 1u ? -0.5f : 0.0f, high = size == 1u ? 0.5f : (float)(int32_t)(size - 1u);
+    const float first = l->first[axis], move = l->move[axis], low = grid->low[axis], high = grid->high[axis];
     while (*from < *to && !between(first + move * (float)(int32_t)*from, low, high))
         ++*from;
     while (*to > *from && !between(first + move * (float)(int32_t)(*to - 1u), low, high))
         --*to;
-    l->last[axis] = size == 1u ? 0 : (int32_t)size - 2;
-    if (size == 1u)
+    l->last[axis] = (int32_t)high - (high >= 1.0f);
+    if (low < 0.0f) /* one voxel */
         l->first[axis] = l->move[axis] = 0.0f;
 }
 
@@ -101,7 +104,7 @@ static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32
     *from = 0;
     *to = n;
     for (uint32_t axis = 0; axis < 3u; axis++)
-        clip(&l, axis, grid->volume.size[axis], from, to);
+        clip(grid, &l, axis, from, to);
     return l;
 }
 
@@ -143,13 +146,15 @@ static inline float blend(const cells *c, uint32_t i, float v000, float v100, fl
     return near + fz * (far - near);
 }
 
-/* Returns one of two successive voxels of `bits` bits, second: 0 or 1. */
-#define SMR_OF_PAIR(number, bits, pair, second)                                                                        \
-    (float)(int32_t)((number)((pair) << (32u - (bits) * (1u + ((second) ^ SMR_BIG_ENDIAN)))) >> (32u - (bits)))
+/* Return the first and the second of two successive voxels of `bits` bits. Shifts of `number` keep the sign, if any. */
+#define SMR_UPPER(number, bits, pair) (float)(int32_t)((pair) >> (bits))
+#define SMR_LOWER(number, bits, pair) (float)(int32_t)((number)((uint32_t)(pair) << (32u - (bits))) >> (32u - (bits)))
+#define SMR_FIRST(number, bits, pair) (SMR_BIG_ENDIAN ? SMR_UPPER(number, bits, pair) : SMR_LOWER(number, bits, pair))
+#define SMR_SECOND(number, bits, pair) (SMR_BIG_ENDIAN ? SMR_LOWER(number, bits, pair) : SMR_UPPER(number, bits, pair))
 
 /* Defines a function that interpolates n samples in voxels of `bits` bits, gathered in pairs, which vectorises. */
 #define SMR_TRILINEAR(name, bits, two, number)                                                                         \
-    static inline uint32_t name##_pair(const uint8_t *v, size_t dx)                                                    \
+    static inline number name##_pair(const uint8_t *v, size_t dx)                                                      \
     {                                                                                                                  \
         two pair = 0;                                                                                                  \
         if (dx != 0u)                                                                                                  \
@@ -161,7 +166,7 @@ static inline float blend(const cells *c, uint32_t i, float v000, float v100, fl
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
         const size_t bytes = (bits) / 8u, dx = d->dx, dy = bytes * d->dy, dz = bytes * d->dz;                          \
-        uint32_t pair[4][SMR_BATCH];                                                                                   \
+        number pair[4][SMR_BATCH];                                                                                     \
         for (uint32_t i = 0; i < padded(n); i++) {                                                                     \
             const uint8_t *v = (const uint8_t *)voxels + bytes * first_voxel(c, i, d);                                 \
             pair[0][i] = name##_pair(v, dx);                                                                           \
@@ -170,17 +175,16 @@ static inline float blend(const cells *c, uint32_t i, float v000, float v100, fl
             pair[3][i] = name##_pair(v + dz + dy, dx);                                                                 \
         }                                                                                                              \
         for (uint32_t i = 0; i < padded(n); i++)                                                                       \
-            value[i] =                                                                                                 \
-                blend(c, i, SMR_OF_PAIR(number, bits, pair[0][i], 0u), SMR_OF_PAIR(number, bits, pair[0][i], 1u),      \
-                      SMR_OF_PAIR(number, bits, pair[1][i], 0u), SMR_OF_PAIR(number, bits, pair[1][i], 1u),            \
-                      SMR_OF_PAIR(number, bits, pair[2][i], 0u), SMR_OF_PAIR(number, bits, pair[2][i], 1u),            \
-                      SMR_OF_PAIR(number, bits, pair[3][i], 0u), SMR_OF_PAIR(number, bits, pair[3][i], 1u));           \
+            value[i] = blend(c, i, SMR_FIRST(number, bits, pair[0][i]), SMR_SECOND(number, bits, pair[0][i]),          \
+                             SMR_FIRST(number, bits, pair[1][i]), SMR_SECOND(number, bits, pair[1][i]),                \
+                             SMR_FIRST(number, bits, pair[2][i]), SMR_SECOND(number, bits, pair[2][i]),                \
+                             SMR_FIRST(number, bits, pair[3][i]), SMR_SECOND(number, bits, pair[3][i]));               \
     }
 
 SMR_TRILINEAR(sample_uint8, 8u, uint16_t, uint32_t)
-SMR_TRILINEAR(sample_int8, 8u, uint16_t, int32_t)
+SMR_TRILINEAR(sample_int8, 8u, int16_t, int32_t)
 SMR_TRILINEAR(sample_uint16, 16u, uint32_t, uint32_t)
-SMR_TRILINEAR(sample_int16, 16u, uint32_t, int32_t)
+SMR_TRILINEAR(sample_int16, 16u, int32_t, int32_t)
 
 static void sample_float(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)
 {
@@ -231,9 +235,10 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
     uint32_t from, to, count = 0;
     const line l = line_of(grid, start, spacing, n, &from, &to);
-    if (to - from < n)
+    if (to - from < n) {
         memset(value, 0, n * sizeof *value);
-    memset(inside, 0, n);
+        memset(inside, 0, n);
+    }
     memset(inside + from, 1, to - from);
     for (uint32_t k = from; k < to; k += SMR_BATCH) {
         cells c;

@@ -8,7 +8,8 @@
 /* A validated image volume and the map from world to index coordinates. */
 typedef struct smr_grid {
     smr_volume volume;
-    float to_index[9]; /* row-major: index coordinates = to_index (world - origin) */
+    float to_index[9];     /* row-major: index coordinates = to_index (world - origin) */
+    float low[3], high[3]; /* lowest and highest index coordinate of a sample inside, along each axis */
 } smr_grid;
 
 /* Checks everything but the voxels' values, and fills *grid. Errors: E_NULL, E_INPUT. */
