@@ -49,9 +49,15 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
         return SMR_E_INPUT;
     for (uint32_t i = 0; i < 9u; i++)
         grid->to_index[i] /= volume->spacing[i / 3u];
+    memset(grid->column, 0, sizeof grid->column);
+    grid->low[3] = grid->high[3] = 0.0f;
     for (uint32_t a = 0; a < 3u; a++) {
-        grid->low[a] = volume->size[a] == 1u ? -0.5f : 0.0f;
-        grid->high[a] = volume->size[a] == 1u ? 0.5f : (float)(int32_t)(volume->size[a] - 1u);
+        const uint32_t size = volume->size[a];
+        for (uint32_t k = 0; k < 3u; k++)
+            grid->column[k][a] = grid->to_index[3u * a + k];
+        grid->low[a] = size == 1u ? -0.5f : 0.0f;
+        grid->high[a] = size == 1u ? 0.5f : (float)(int32_t)(size - 1u);
+        grid->last[a] = size == 1u ? 0 : (int32_t)size - 2;
     }
     grid->volume = *volume;
     return SMR_OK;
@@ -62,8 +68,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
-    float first[3], move[3]; /* 0 along an axis of one voxel, once the samples inside are known */
-    int32_t last[3];         /* largest index of a lower voxel */
+    float first[4], move[4]; /* 0 along an axis of one voxel; the fourth number is not used */
 } line;
 
 /* Where each sample of a batch lies between voxels, for each axis. */
@@ -83,49 +88,58 @@ typedef struct strides {
 static int between(float at, float low, float high) { return at >= low && at <= high; }
 
 /* Shrinks the run of samples *from .. *to - 1 of a line to those inside along an axis. */
-static void clip(const smr_grid *grid, line *l, uint32_t axis, uint32_t *from, uint32_t *to)
+static void clip(const smr_grid *grid, const line *l, uint32_t axis, uint32_t *from, uint32_t *to)
 {
     const float first = l->first[axis], move = l->move[axis], low = grid->low[axis], high = grid->high[axis];
     while (*from < *to && !between(first + move * (float)(int32_t)*from, low, high))
         ++*from;
     while (*to > *from && !between(first + move * (float)(int32_t)(*to - 1u), low, high))
         --*to;
-    l->last[axis] = (int32_t)high - (high >= 1.0f);
-    if (low < 0.0f) /* one voxel */
-        l->first[axis] = l->move[axis] = 0.0f;
 }
 
 /* Returns a line in index coordinates. Of its n samples, samples *from .. *to - 1 lie inside the volume. */
 static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, uint32_t *from, uint32_t *to)
 {
+    const float(*const c)[4] = grid->column, *const low = grid->low, *const high = grid->high;
+    const smr_vec d = smr_sub(start, smr_load(grid->volume.origin));
+    const float end = (float)(int32_t)(n - 1u);
+    int32_t within[4];
     line l;
-    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(grid->volume.origin))));
-    smr_store(l.move, smr_mul(grid->to_index, spacing));
+    for (uint32_t a = 0; a < 4u; a++) { /* of four, as vectors have four numbers */
+        const float first = c[0][a] * d.x + c[1][a] * d.y + c[2][a] * d.z;
+        const float move = c[0][a] * spacing.x + c[1][a] * spacing.y + c[2][a] * spacing.z, last = first + move * end;
+        within[a] = (first >= low[a]) & (first <= high[a]) & (last >= low[a]) & (last <= high[a]);
+        l.first[a] = first;
+        l.move[a] = move;
+    }
     *from = 0;
     *to = n;
-    for (uint32_t axis = 0; axis < 3u; axis++)
+    for (uint32_t axis = 0; !(within[0] & within[1] & within[2]) && axis < 3u; axis++)
         clip(grid, &l, axis, from, to);
+    for (uint32_t axis = 0; axis < 3u; axis++)
+        if (low[axis] < 0.0f) /* an axis of one voxel */
+            l.first[axis] = l.move[axis] = 0.0f;
     return l;
 }
 
 /* Writes the lower voxel and the fraction, along an axis, of sample i of a batch, which is sample k of the line. */
-static inline void find_cell(const line *l, uint32_t axis, float k, uint32_t i, cells *c)
+static inline void find_cell(const smr_grid *grid, const line *l, uint32_t axis, float k, uint32_t i, cells *c)
 {
     const float at = l->first[axis] + l->move[axis] * k;
-    const int32_t voxel = (int32_t)at, lower = voxel - (voxel > l->last[axis]); /* voxel is at most last + 1 */
+    const int32_t voxel = (int32_t)at, lower = voxel - (voxel > grid->last[axis]); /* voxel is at most last + 1 */
     c->lower[axis][i] = lower;
     c->fraction[axis][i] = at - (float)lower;
 }
 
 /* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
-static void find_cells(const line *l, uint32_t k, uint32_t n, cells *c)
+static void find_cells(const smr_grid *grid, const line *l, uint32_t k, uint32_t n, cells *c)
 {
     const float end = (float)(int32_t)(k + n - 1u);
     for (uint32_t i = 0; i < padded(n); i++) {
         const float at = smr_min((float)(int32_t)(k + i), end);
-        find_cell(l, 0, at, i, c);
-        find_cell(l, 1, at, i, c);
-        find_cell(l, 2, at, i, c);
+        find_cell(grid, l, 0, at, i, c);
+        find_cell(grid, l, 1, at, i, c);
+        find_cell(grid, l, 2, at, i, c);
     }
 }
 
@@ -244,7 +258,7 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
         cells c;
         float batch[SMR_BATCH];
         const uint32_t some = smr_min_u32(to - k, SMR_BATCH);
-        find_cells(&l, k, some, &c);
+        find_cells(grid, &l, k, some, &c);
         sample(v, &c, &d, some, batch);
         memcpy(value + k, batch, some * sizeof *batch);
         count += drop(v, &c, &d, some, value + k, inside + k);
