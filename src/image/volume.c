@@ -122,24 +122,18 @@ static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32
     return l;
 }
 
-/* Writes the lower voxel and the fraction, along an axis, of sample i of a batch, which is sample k of the line. */
-static inline void find_cell(const smr_grid *grid, const line *l, uint32_t axis, float k, uint32_t i, cells *c)
-{
-    const float at = l->first[axis] + l->move[axis] * k;
-    const int32_t voxel = (int32_t)at, lower = voxel - (voxel > grid->last[axis]); /* voxel is at most last + 1 */
-    c->lower[axis][i] = lower;
-    c->fraction[axis][i] = at - (float)lower;
-}
-
 /* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
 static void find_cells(const smr_grid *grid, const line *l, uint32_t k, uint32_t n, cells *c)
 {
     const float end = (float)(int32_t)(k + n - 1u);
     for (uint32_t i = 0; i < padded(n); i++) {
-        const float at = smr_min((float)(int32_t)(k + i), end);
-        find_cell(grid, l, 0, at, i, c);
-        find_cell(grid, l, 1, at, i, c);
-        find_cell(grid, l, 2, at, i, c);
+        const float sample = smr_min((float)(int32_t)(k + i), end);
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            const float at = l->first[axis] + l->move[axis] * sample;
+            const int32_t voxel = (int32_t)at, lower = voxel - (voxel > grid->last[axis]); /* one too far at most */
+            c->lower[axis][i] = lower;
+            c->fraction[axis][i] = at - (float)lower;
+        }
     }
 }
 
