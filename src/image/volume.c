@@ -260,15 +260,13 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     return count;
 }
 
-#define SMR_AHEAD 2u /* every SMR_AHEAD-th sample is prefetched: voxels are mostly larger than the samples' distance */
-
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n)
 {
     const smr_volume *v = &grid->volume;
     const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
     uint32_t from, to;
     const line l = line_of(grid, start, spacing, n, &from, &to);
-    for (uint32_t k = from; k < to; k += SMR_AHEAD) {
+    for (uint32_t k = from; k < to; k++) {
         const smr_vec at = smr_add(smr_load(l.first), smr_scale(smr_load(l.move), (float)(int32_t)k));
         const uint8_t *cell = (const uint8_t *)v->voxels + bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y +
                               slice * (size_t)(int32_t)at.z;
