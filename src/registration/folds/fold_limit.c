@@ -87,8 +87,8 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     }
 }
 
-/* Tests the dihedral edges from .. to - 1, of one task of fold_find.c, near which a corner has moved since the last test.
- * A soft round passes over edges that had no touched run before, as long as no more runs are touched. */
+/* Tests those dihedral edges from .. to - 1, of one task of fold_find.c, near which a corner has moved since their last
+ * test. A soft round passes over edges that had no touched run before, as long as no more runs are touched. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_fold_limit *l = &f->limit;
