@@ -64,7 +64,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 }
 
 #define SMR_BATCH 32u /* largest number of samples that one batch interpolates */
-#define SMR_WIDTH 4u  /* loops over a batch take a multiple of this many samples, the last sample several times */
+#define SMR_GROUP 4u  /* loops over a batch take a multiple of this many samples, the last sample several times */
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
@@ -77,7 +77,7 @@ typedef struct cells {
     float fraction[3][SMR_BATCH]; /* distance from the lower voxel / distance between voxels, 0 .. 1 */
 } cells;
 
-static inline uint32_t padded(uint32_t n) { return (n + SMR_WIDTH - 1u) & ~(SMR_WIDTH - 1u); }
+static inline uint32_t padded(uint32_t n) { return (n + SMR_GROUP - 1u) & ~(SMR_GROUP - 1u); }
 
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
