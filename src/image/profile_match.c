@@ -40,7 +40,8 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
         return 1.0f - (square - 2.0f * dot + ref2) / ref2;
     if (kind == SMR_SIMILARITY_CONCORDANCE)
         return 2.0f * dot / (smr_max(variance, 0.0f) + ref2 + n * noise2 + SMR_LEVEL * sum * sum / n);
-    return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
+    /* smr_max(): vectors take the root of all lanes, and a root of less than 0 is an exception */
+    return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(smr_max(variance, 0.0f)) * ref_norm) : 0.0f;
 }
 
 #define SMR_SIDE 32u               /* largest number of offsets whose scores one vectorised loop computes */
