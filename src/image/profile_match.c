@@ -94,7 +94,11 @@ static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint3
 /* Writes dot[i], i < count: the sum of ref[k] * line[k + i] for k = 0 .. n-1, added in the order of k. */
 static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
 {
-    for (uint32_t i = 0; i < count; i += SMR_WIDTH) {
+    memset(dot, 0, count * sizeof *dot);
+    for (uint32_t k = 0; SMR_LANES < 4u && k < n; k++) /* processors without vectors */
+        for (uint32_t i = 0; i < count; i++)
+            dot[i] += ref[k] * line[k + i];
+    for (uint32_t i = 0; SMR_LANES >= 4u && i < count; i += SMR_WIDTH) {
         smr_lanes sum[SMR_WIDTH / SMR_LANES] = {{0}}, l; /* SMR_WIDTH sums, which stay in registers */
         for (uint32_t k = 0; k < n; k++)
             for (uint32_t j = 0; j < SMR_WIDTH / SMR_LANES; j++) {

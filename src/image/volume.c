@@ -4,6 +4,7 @@
  * found by its two ends. The run is processed in batches by loops that compilers vectorise.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
+#include "base/lanes.h"
 #include "image/volume.h"
 
 #define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis of a volume */
@@ -64,7 +65,8 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 }
 
 #define SMR_BATCH 32u /* largest number of samples that one batch interpolates */
-#define SMR_GROUP 4u  /* loops over a batch take a multiple of this many samples, the last sample several times */
+/* Loops over a batch take a multiple of this many samples, the last sample several times. */
+#define SMR_GROUP (SMR_LANES < 4u ? 1u : 4u)
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
