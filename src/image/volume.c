@@ -66,7 +66,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 
 #define SMR_BATCH 32u /* largest number of samples that one batch interpolates */
 /* Loops over a batch take a multiple of this many samples, the last sample several times. */
-#define SMR_GROUP (SMR_LANES < 4u ? 1u : 4u)
+#define SMR_FILLED (SMR_LANES < 4u ? 1u : 4u)
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
@@ -79,7 +79,7 @@ typedef struct cells {
     float fraction[3][SMR_BATCH]; /* distance from the lower voxel / distance between voxels, 0 .. 1 */
 } cells;
 
-static inline uint32_t padded(uint32_t n) { return (n + SMR_GROUP - 1u) & ~(SMR_GROUP - 1u); }
+static inline uint32_t padded(uint32_t n) { return (n + SMR_FILLED - 1u) & ~(SMR_FILLED - 1u); }
 
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
