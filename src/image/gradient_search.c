@@ -23,9 +23,9 @@ static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
 {
     edge own = {0.0f, 0.0f, 0.0f};
     uint32_t at = 0;
-    for (uint32_t k = 1; k + 1u < n; k++) {
+    for (uint32_t k = zero > SMR_EDGE_NEAR ? zero - SMR_EDGE_NEAR : 1u; k <= zero + SMR_EDGE_NEAR && k + 1u < n; k++) {
         const float slope = slope_at(packed, k);
-        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(own.slope)) {
+        if (smr_abs(slope) > smr_abs(own.slope)) {
             own.slope = slope;
             at = k;
         }
@@ -46,34 +46,36 @@ static float edge_worth(float steep, float lighter)
     return 2.0f * steep / ((1.0f + over * over) * (1.0f + lighter * lighter));
 }
 
-/* Returns 1 when a sample and two samples on either side lie inside the image; in: address of this sample's flag. */
-static int five_inside(const uint8_t *in) { return in[-2] && in[-1] && in[0] && in[1] && in[2]; }
+/* Returns 1 when sample k and two samples on either side lie inside the image. */
+static int five_inside(const uint8_t *inside, uint32_t k)
+{
+    return inside == NULL || (inside[k - 2u] && inside[k - 1u] && inside[k] && inside[k + 1u] && inside[k + 2u]);
+}
 
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const uint8_t *inside,
                           uint32_t m, uint32_t centre, uint32_t reach)
 {
     const float range = reference->range;
-    if (!(range > 0.0f) || reference->n < 3u)
+    if (!(range > 0.0f) || reference->n < 3u || m < 3u || m > SMR_LINE_MAX)
         return (smr_peak){0.0f, 0.0f};
     const edge own = own_edge(reference->value, reference->n, zero);
     if (smr_abs(own.slope) < SMR_EDGE_MIN)
         return (smr_peak){0.0f, 0.0f};
     const uint32_t first = smr_max_u32(centre > reach ? centre - reach : 1u, 2u);
-    const uint32_t last = smr_min_u32(centre + reach, m - 2u);
+    const uint32_t end = smr_min_u32(centre + reach + 1u, m - 2u);
     const float scale = 0.5f / (range * own.slope);
-    float best = 0.0f;
+    float best = 0.0f, worth[SMR_LINE_MAX];
     uint32_t at = 0;
-    for (uint32_t k = first; k <= last && k + 2u < m; k++) {
+    for (uint32_t k = first; k < end; k++) { /* without branches: the loop vectorises */
         const float steep = (line[k + 1u] - line[k - 1u]) * scale;
-        if (!(steep > 0.0f) || !five_inside(inside + k))
-            continue;
-        const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
-        const float worth = edge_worth(steep, (line[k] - reference->low) / range - own.level) * (1.0f - 0.5f * away);
-        if (worth > best) {
-            best = worth;
+        const float away = smr_abs((float)((int32_t)k - (int32_t)centre)) / (float)(reach + 1u);
+        worth[k] = edge_worth(steep, (line[k] - reference->low) / range - own.level) * (1.0f - 0.5f * away);
+    }
+    for (uint32_t k = first; k < end; k++)
+        if (worth[k] > best && five_inside(inside, k)) {
+            best = worth[k];
             at = k;
         }
-    }
     if (!(best > 0.0f))
         return (smr_peak){0.0f, 0.0f};
     const float *const l = line + at;
@@ -88,7 +90,7 @@ smr_peak smr_steepest(const float *line, const uint8_t *inside, uint32_t m, uint
     uint32_t at = 0;
     for (uint32_t k = first; k <= centre + reach && k + 2u < m; k++) {
         const float steep = smr_abs(line[k + 1u] - line[k - 1u]);
-        if (steep > best && five_inside(inside + k)) {
+        if (steep > best && five_inside(inside, k)) {
             best = steep;
             at = k;
         }

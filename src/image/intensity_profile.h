@@ -34,16 +34,19 @@ typedef struct smr_similarity {
 } smr_similarity;
 
 /* Returns the offset 0 .. m - n at which the reference, of n samples, is most similar to line[m]. Without a match the
- * confidence is 0. With correlation the result does not depend on the reference's low and range. */
+ * confidence is 0. With correlation the result does not depend on the reference's low and range. inside[m]: 1 for
+ * samples inside the image; NULL: all are. */
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const uint8_t *inside, uint32_t m,
                            const smr_similarity *how);
 
 /* Returns the goal by the best edge within `reach` samples of line sample `centre`: the reference edge's polarity and
  * similar brightness, steep, near. The reference edge is the reference's steepest edge near its sample `zero`, the
- * surface. The goal is as far from the best edge as `zero` is from the reference edge. Confidence 0: no edge. */
+ * surface. The goal is as far from the best edge as `zero` is from the reference edge. Confidence 0: no edge.
+ * inside NULL: all samples are inside. */
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const uint8_t *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
-/* Returns the steepest place within `reach` samples of sample `centre` (paper 3). Confidence 1; on constant lines 0. */
+/* Returns the steepest place within `reach` samples of sample `centre` (paper 3). Confidence 1; on constant lines 0.
+ * inside NULL: all samples are inside. */
 smr_peak smr_steepest(const float *line, const uint8_t *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
 /* Returns where a parabola through three successive values has its maximum: -0.5 .. 0.5 samples from the middle one. */

@@ -39,33 +39,23 @@ static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, floa
     return 1;
 }
 
-/* Returns the dot product of a[n] and b[n]. */
-static float product(const float *a, const float *b, uint32_t n)
-{
-    float sum = 0.0f;
-    for (uint32_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
-/* Writes the reference's and the image's intensities, less their means, divided by the reference's range. */
-static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
+void smr_centre(const smr_profile *reference, const float *found, smr_centred *both)
 {
     for (uint32_t k = 0; k < reference->n; k++) {
-        ref[k] = (float)reference->value[k] * (1.0f / 255.0f);
-        here[k] = (found[k] - reference->low) / reference->range;
+        both->reference[k] = (float)reference->value[k] * (1.0f / 255.0f);
+        both->image[k] = (found[k] - reference->low) / reference->range;
     }
-    subtract_mean(ref, reference->n);
-    subtract_mean(here, reference->n);
+    subtract_mean(both->reference, reference->n);
+    subtract_mean(both->image, reference->n);
 }
 
-float smr_contrast(const smr_profile *reference, const float *found)
+float smr_contrast(const smr_centred *both, uint32_t n)
 {
-    float ref[SMR_PROFILE_MAX], here[SMR_PROFILE_MAX];
-    if (!(reference->range > 0.0f) || reference->n > SMR_PROFILE_MAX)
-        return 0.0f;
-    centred(reference, found, ref, here);
-    const float ref2 = product(ref, ref, reference->n), here2 = product(here, here, reference->n);
+    float ref2 = 0.0f, here2 = 0.0f;
+    for (uint32_t k = 0; k < n; k++) {
+        ref2 += both->reference[k] * both->reference[k];
+        here2 += both->image[k] * both->image[k];
+    }
     return ref2 > 0.0f ? SMR_SQRT(smr_min(here2 / ref2, SMR_CONTRAST_MOST * SMR_CONTRAST_MOST)) : 0.0f;
 }
 
@@ -74,7 +64,7 @@ smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at)
     const smr_profile *const ref = at->reference;
     const smr_vec nowhere = smr_v(0, 0, 0), normal = at->normal;
     const uint32_t n = ref->n;
-    float missing[SMR_PROFILE_MAX], here[SMR_PROFILE_MAX], p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX];
+    float p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX], p2 = 0.0f, q2 = 0.0f, pq = 0.0f, pm = 0.0f, qm = 0.0f;
     if (!(ref->range > 0.0f) || n > SMR_PROFILE_MAX)
         return nowhere;
     const smr_vec axis = smr_abs(normal.x) < SMR_NORMAL_ALONG ? smr_v(1, 0, 0) : smr_v(0, 1, 0);
@@ -82,14 +72,18 @@ smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at)
     const smr_vec u = smr_scale(across, 1.0f / SMR_SQRT(smr_dot(across, across))), v = smr_cross(normal, u);
     if (!slopes(image, at, u, p) || !slopes(image, at, v, q))
         return nowhere;
-    centred(ref, at->found, missing, here);
-    for (uint32_t k = 0; k < n; k++)
-        missing[k] = at->gain * missing[k] - here[k];
+    for (uint32_t k = 0; k < n; k++) {
+        const float missing = at->gain * at->both->reference[k] - at->both->image[k];
+        p2 += p[k] * p[k];
+        q2 += q[k] * q[k];
+        pq += p[k] * q[k];
+        pm += p[k] * missing;
+        qm += q[k] * missing;
+    }
     /* damping suppresses displacements along directions without slopes, and those that noise alone could cause */
-    const float noise = at->noise / (ref->range * at->reach_mm), p2 = product(p, p, n), q2 = product(q, q, n);
+    const float noise = at->noise / (ref->range * at->reach_mm);
     const float damp = (float)n * noise * noise + SMR_ROUNDING * (p2 + q2);
-    const float pp = p2 + damp, qq = q2 + damp, pq = product(p, q, n);
-    const float pm = product(p, missing, n), qm = product(q, missing, n), det = pp * qq - pq * pq;
+    const float pp = p2 + damp, qq = q2 + damp, det = pp * qq - pq * pq;
     if (!(det > 0.0f))
         return nowhere;
     const float along_u = (qq * pm - pq * qm) / det, along_v = (pp * qm - pq * pm) / det;

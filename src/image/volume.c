@@ -3,6 +3,8 @@
  * Method: index coordinates first + k move are monotonic in k, even when rounded, so the samples inside are one run,
  * found by its two ends. The run is processed in batches by loops that compilers vectorise.
  * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
+#include "base/lanes.h"
 #include "image/volume.h"
 
 #define SMR_AXIS_MAX 65536u /* largest number of voxels along an axis of a volume */
@@ -48,24 +50,28 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
         return SMR_E_INPUT;
     for (uint32_t i = 0; i < 9u; i++)
         grid->to_index[i] /= volume->spacing[i / 3u];
+    memset(grid->column, 0, sizeof grid->column);
+    grid->low[3] = grid->high[3] = 0.0f;
+    for (uint32_t a = 0; a < 3u; a++) {
+        const uint32_t size = volume->size[a];
+        for (uint32_t k = 0; k < 3u; k++)
+            grid->column[k][a] = grid->to_index[3u * a + k];
+        grid->low[a] = size == 1u ? -0.5f : 0.0f;
+        grid->high[a] = size == 1u ? 0.5f : (float)(int32_t)(size - 1u);
+        grid->last[a] = size == 1u ? 0 : (int32_t)size - 2;
+    }
     grid->volume = *volume;
     return SMR_OK;
 }
 
-#define SMR_BATCH 32u /* number of samples that one batch interpolates */
+#define SMR_BATCH 32u /* largest number of samples that one batch interpolates */
+/* Loops over a batch take a multiple of this many samples, the last sample several times. */
+#define SMR_FILLED (SMR_LANES < 4u ? 1u : 4u)
 
 /* A line in index coordinates: sample k lies at first + k move. */
 typedef struct line {
-    float first[3], move[3];
+    float first[4], move[4]; /* 0 along an axis of one voxel; the fourth number is not used */
 } line;
-
-static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing)
-{
-    line l;
-    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(grid->volume.origin))));
-    smr_store(l.move, smr_mul(grid->to_index, spacing));
-    return l;
-}
 
 /* Where each sample of a batch lies between voxels, for each axis. */
 typedef struct cells {
@@ -73,38 +79,60 @@ typedef struct cells {
     float fraction[3][SMR_BATCH]; /* distance from the lower voxel / distance between voxels, 0 .. 1 */
 } cells;
 
+static inline uint32_t padded(uint32_t n) { return (n + SMR_FILLED - 1u) & ~(SMR_FILLED - 1u); }
+
 /* Distances between voxels in memory, in voxels. */
 typedef struct strides {
     size_t row, slice; /* from one row to the next; from one slice to the next */
     size_t dx, dy, dz; /* from a voxel to the next one in x, y, z; 0 for an axis of one voxel */
 } strides;
 
-/* Returns 1 when the index coordinate `at` lies inside an axis of n voxels. */
-static int on_axis(float at, uint32_t n) { return n == 1u ? smr_within(at, 0.5f) : at >= 0 && at <= (float)(n - 1u); }
+static int between(float at, float low, float high) { return at >= low && at <= high; }
 
-/* Shrinks the run of samples *from .. *to - 1 to those inside an axis of `size` voxels. */
-static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
+/* Shrinks the run of samples *from .. *to - 1 of a line to those inside along an axis. */
+static void clip(const smr_grid *grid, const line *l, uint32_t axis, uint32_t *from, uint32_t *to)
 {
-    while (*from < *to && !on_axis(first + move * (float)*from, size))
+    const float first = l->first[axis], move = l->move[axis], low = grid->low[axis], high = grid->high[axis];
+    while (*from < *to && !between(first + move * (float)(int32_t)*from, low, high))
         ++*from;
-    while (*to > *from && !on_axis(first + move * (float)(*to - 1u), size))
+    while (*to > *from && !between(first + move * (float)(int32_t)(*to - 1u), low, high))
         --*to;
 }
 
-/* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
-static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t n, cells *c)
+/* Returns a line in index coordinates. Of its n samples, samples *from .. *to - 1 lie inside the volume. */
+static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, uint32_t *from, uint32_t *to)
 {
-    for (uint32_t axis = 0; axis < 3u; axis++) {
-        if (v->size[axis] == 1u) {
-            memset(c->lower[axis], 0, sizeof c->lower[axis]);
-            memset(c->fraction[axis], 0, sizeof c->fraction[axis]);
-            continue;
-        }
-        const int32_t last = (int32_t)v->size[axis] - 2;
-        const float first = l->first[axis], move = l->move[axis];
-        for (uint32_t i = 0; i < n; i++) {
-            const float at = first + move * (float)(int32_t)(k + i);
-            const int32_t voxel = (int32_t)at, lower = voxel < last ? voxel : last;
+    const float(*const c)[4] = grid->column, *const low = grid->low, *const high = grid->high;
+    const smr_vec d = smr_sub(start, smr_load(grid->volume.origin));
+    const float end = (float)(int32_t)(n - 1u);
+    int32_t within[4];
+    line l;
+    for (uint32_t a = 0; a < 4u; a++) { /* of four, as vectors have four numbers */
+        const float first = c[0][a] * d.x + c[1][a] * d.y + c[2][a] * d.z;
+        const float move = c[0][a] * spacing.x + c[1][a] * spacing.y + c[2][a] * spacing.z, last = first + move * end;
+        within[a] = (first >= low[a]) & (first <= high[a]) & (last >= low[a]) & (last <= high[a]);
+        l.first[a] = first;
+        l.move[a] = move;
+    }
+    *from = 0;
+    *to = n;
+    for (uint32_t axis = 0; !(within[0] & within[1] & within[2]) && axis < 3u; axis++)
+        clip(grid, &l, axis, from, to);
+    for (uint32_t axis = 0; axis < 3u; axis++)
+        if (low[axis] < 0.0f) /* an axis of one voxel */
+            l.first[axis] = l.move[axis] = 0.0f;
+    return l;
+}
+
+/* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
+static void find_cells(const smr_grid *grid, const line *l, uint32_t k, uint32_t n, cells *c)
+{
+    const float end = (float)(int32_t)(k + n - 1u);
+    for (uint32_t i = 0; i < padded(n); i++) {
+        const float sample = smr_min((float)(int32_t)(k + i), end);
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            const float at = l->first[axis] + l->move[axis] * sample;
+            const int32_t voxel = (int32_t)at, lower = voxel - (voxel > grid->last[axis]); /* one too far at most */
             c->lower[axis][i] = lower;
             c->fraction[axis][i] = at - (float)lower;
         }
@@ -117,39 +145,65 @@ static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
     return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
 }
 
-/* Defines a function that interpolates n samples in voxels of `type`, gathered as `number`, which vectorises. */
-#define SMR_TRILINEAR(name, type, number)                                                                              \
+/* Returns the value between eight voxels: v000 the lowest of them, v100 the next one in x, v010 in y. */
+static inline float blend(const cells *c, uint32_t i, float v000, float v100, float v010, float v110, float v001,
+                          float v101, float v011, float v111)
+{
+    const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];
+    const float a = v000 + fx * (v100 - v000), b = v010 + fx * (v110 - v010);
+    const float e = v001 + fx * (v101 - v001), f = v011 + fx * (v111 - v011);
+    const float near = a + fy * (b - a), far = e + fy * (f - e);
+    return near + fz * (far - near);
+}
+
+/* Return the first and the second of two successive voxels of `bits` bits. Shifts of `number` keep the sign, if any. */
+#define SMR_UPPER(number, bits, pair) (float)(int32_t)((pair) >> (bits))
+#define SMR_LOWER(number, bits, pair) (float)(int32_t)((number)((uint32_t)(pair) << (32u - (bits))) >> (32u - (bits)))
+#define SMR_FIRST(number, bits, pair) (SMR_BIG_ENDIAN ? SMR_UPPER(number, bits, pair) : SMR_LOWER(number, bits, pair))
+#define SMR_SECOND(number, bits, pair) (SMR_BIG_ENDIAN ? SMR_LOWER(number, bits, pair) : SMR_UPPER(number, bits, pair))
+
+/* Defines a function that interpolates n samples in voxels of `bits` bits, gathered in pairs, which vectorises. */
+#define SMR_TRILINEAR(name, bits, two, number)                                                                         \
+    static inline number name##_pair(const uint8_t *v, size_t dx)                                                      \
+    {                                                                                                                  \
+        two pair = 0;                                                                                                  \
+        if (dx != 0u)                                                                                                  \
+            memcpy(&pair, v, sizeof pair);                                                                             \
+        else                                                                                                           \
+            memcpy(&pair, v, sizeof pair / 2u); /* the other half of the pair is beyond the last voxel */              \
+        return pair;                                                                                                   \
+    }                                                                                                                  \
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
-        number corner[8][SMR_BATCH];                                                                                   \
-        for (uint32_t i = 0; i < n; i++) {                                                                             \
-            const type *v = (const type *)voxels + first_voxel(c, i, d);                                               \
-            corner[0][i] = v[0];                                                                                       \
-            corner[1][i] = v[d->dx];                                                                                   \
-            corner[2][i] = v[d->dy];                                                                                   \
-            corner[3][i] = v[d->dy + d->dx];                                                                           \
-            v += d->dz;                                                                                                \
-            corner[4][i] = v[0];                                                                                       \
-            corner[5][i] = v[d->dx];                                                                                   \
-            corner[6][i] = v[d->dy];                                                                                   \
-            corner[7][i] = v[d->dy + d->dx];                                                                           \
+        const size_t bytes = (bits) / 8u, dx = d->dx, dy = bytes * d->dy, dz = bytes * d->dz;                          \
+        number pair[4][SMR_BATCH];                                                                                     \
+        for (uint32_t i = 0; i < padded(n); i++) {                                                                     \
+            const uint8_t *v = (const uint8_t *)voxels + bytes * first_voxel(c, i, d);                                 \
+            pair[0][i] = name##_pair(v, dx);                                                                           \
+            pair[1][i] = name##_pair(v + dy, dx);                                                                      \
+            pair[2][i] = name##_pair(v + dz, dx);                                                                      \
+            pair[3][i] = name##_pair(v + dz + dy, dx);                                                                 \
         }                                                                                                              \
-        for (uint32_t i = 0; i < n; i++) {                                                                             \
-            const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];                        \
-            const float a = (float)corner[0][i] + fx * ((float)corner[1][i] - (float)corner[0][i]);                    \
-            const float b = (float)corner[2][i] + fx * ((float)corner[3][i] - (float)corner[2][i]);                    \
-            const float e = (float)corner[4][i] + fx * ((float)corner[5][i] - (float)corner[4][i]);                    \
-            const float f = (float)corner[6][i] + fx * ((float)corner[7][i] - (float)corner[6][i]);                    \
-            const float near = a + fy * (b - a), far = e + fy * (f - e);                                               \
-            value[i] = near + fz * (far - near);                                                                       \
-        }                                                                                                              \
+        for (uint32_t i = 0; i < padded(n); i++)                                                                       \
+            value[i] = blend(c, i, SMR_FIRST(number, bits, pair[0][i]), SMR_SECOND(number, bits, pair[0][i]),          \
+                             SMR_FIRST(number, bits, pair[1][i]), SMR_SECOND(number, bits, pair[1][i]),                \
+                             SMR_FIRST(number, bits, pair[2][i]), SMR_SECOND(number, bits, pair[2][i]),                \
+                             SMR_FIRST(number, bits, pair[3][i]), SMR_SECOND(number, bits, pair[3][i]));               \
     }
 
-SMR_TRILINEAR(sample_uint8, uint8_t, int32_t)
-SMR_TRILINEAR(sample_int8, int8_t, int32_t)
-SMR_TRILINEAR(sample_uint16, uint16_t, int32_t)
-SMR_TRILINEAR(sample_int16, int16_t, int32_t)
-SMR_TRILINEAR(sample_float, float, float)
+SMR_TRILINEAR(sample_uint8, 8u, uint16_t, uint32_t)
+SMR_TRILINEAR(sample_int8, 8u, int16_t, int32_t)
+SMR_TRILINEAR(sample_uint16, 16u, uint32_t, uint32_t)
+SMR_TRILINEAR(sample_int16, 16u, int32_t, int32_t)
+
+static void sample_float(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float *const v = (const float *)voxels + first_voxel(c, i, d), *const far = v + d->dz;
+        value[i] =
+            blend(c, i, v[0], v[d->dx], v[d->dy], v[d->dy + d->dx], far[0], far[d->dx], far[d->dy], far[d->dy + d->dx]);
+    }
+}
 
 /* Writes value[i], the interpolated intensity of sample i of the batch, i < n. */
 static void sample(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value)
@@ -174,7 +228,6 @@ static int masked(const uint8_t *lo, const strides *d)
 static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value, uint8_t *inside)
 {
     uint32_t left = n;
-    memset(inside, 1, n);
     for (uint32_t i = 0; (v->mask != NULL || v->type == SMR_VOXEL_FLOAT) && i < n; i++) {
         if ((v->mask == NULL || !masked(v->mask + first_voxel(c, i, d), d)) && smr_within(value[i], SMR_HUGE))
             continue;
@@ -190,36 +243,35 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
     const smr_volume *v = &grid->volume;
     const size_t row = v->size[0], slice = row * v->size[1];
     const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
-    const line l = line_of(grid, start, spacing);
-    uint32_t from = 0, to = n, count = 0;
-    for (uint32_t axis = 0; axis < 3u; axis++)
-        clip(l.first[axis], l.move[axis], v->size[axis], &from, &to);
-    memset(value, 0, n * sizeof *value);
-    memset(inside, 0, n);
+    uint32_t from, to, count = 0;
+    const line l = line_of(grid, start, spacing, n, &from, &to);
+    if (to - from < n) {
+        memset(value, 0, n * sizeof *value);
+        memset(inside, 0, n);
+    }
+    memset(inside + from, 1, to - from);
     for (uint32_t k = from; k < to; k += SMR_BATCH) {
         cells c;
+        float batch[SMR_BATCH];
         const uint32_t some = smr_min_u32(to - k, SMR_BATCH);
-        find_cells(v, &l, k, some, &c);
-        sample(v, &c, &d, some, value + k);
+        find_cells(grid, &l, k, some, &c);
+        sample(v, &c, &d, some, batch);
+        memcpy(value + k, batch, some * sizeof *batch);
         count += drop(v, &c, &d, some, value + k, inside + k);
     }
     return count;
 }
 
-#define SMR_AHEAD 2u /* every SMR_AHEAD-th sample is prefetched: voxels are mostly larger than the samples' distance */
-
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n)
 {
     const smr_volume *v = &grid->volume;
     const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
-    const line l = line_of(grid, start, spacing);
-    const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
-    for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
+    uint32_t from, to;
+    const line l = line_of(grid, start, spacing, n, &from, &to);
+    for (uint32_t k = from; k < to; k++) {
         const smr_vec at = smr_add(smr_load(l.first), smr_scale(smr_load(l.move), (float)(int32_t)k));
-        if (!(at.x >= 0.0f && at.x < top.x && at.y >= 0.0f && at.y < top.y && at.z >= 0.0f && at.z < top.z))
-            continue;
-        const size_t to = bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y + slice * (size_t)(int32_t)at.z;
-        const uint8_t *cell = (const uint8_t *)v->voxels + to;
+        const uint8_t *cell = (const uint8_t *)v->voxels + bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y +
+                              slice * (size_t)(int32_t)at.z;
         __builtin_prefetch(cell);
         __builtin_prefetch(cell + row);
         __builtin_prefetch(cell + slice);

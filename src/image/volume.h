@@ -8,7 +8,10 @@
 /* A validated image volume and the map from world to index coordinates. */
 typedef struct smr_grid {
     smr_volume volume;
-    float to_index[9]; /* row-major: index coordinates = to_index (world - origin) */
+    float to_index[9];     /* row-major: index coordinates = to_index (world - origin) */
+    float column[3][4];    /* columns of to_index, and a 0 that makes them vectors of four */
+    float low[4], high[4]; /* lowest and highest index coordinate of a sample inside, along each axis */
+    int32_t last[3];       /* largest index of the lower voxel of a sample, along each axis */
 } smr_grid;
 
 /* Checks everything but the voxels' values, and fills *grid. Errors: E_NULL, E_INPUT. */

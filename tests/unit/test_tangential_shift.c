@@ -58,7 +58,10 @@ static smr_vec found_way(const smr_grid *grid, const trial *t)
     for (uint32_t k = 0; k < N; k++)
         here[k] = t->gain * here[k] + t->brighter;
     const smr_profile reference = {packed, low, range, N};
-    const smr_place place = {&reference, start, step, t->normal, here, t->gain, t->noise, REACH};
+    smr_centred both;
+    const smr_place place = {&reference, start, step, t->normal, &both, t->gain, t->noise, REACH};
+    if (range > 0.0f)
+        smr_centre(&reference, here, &both);
     return smr_tangential_shift(grid, &place);
 }
 
@@ -134,17 +137,19 @@ TEST(test_brightness)
 TEST(test_contrast)
 {
     const uint8_t packed[4] = {0, 100, 255, 30};
-    const smr_profile reference = {packed, 10.0f, 51.0f, 4}, flat = {packed, 10.0f, 0.0f, 4};
+    const smr_profile reference = {packed, 10.0f, 51.0f, 4};
     float found[4];
+    smr_centred both;
     for (uint32_t k = 0; k < 6u; k++) {
         static const float gain[6] = {0.0f, 0.3f, 1.0f, 1.5f, 3.9f, 60.0f};
         for (uint32_t i = 0; i < 4u; i++)
             found[i] = 300.0f - gain[k] * 51.0f * (float)packed[i] / 255.0f; /* its sign does not count */
-        assert_true(fabsf(smr_contrast(&reference, found) - fminf(gain[k], 4.0f)) < 1.0e-3f);
-        assert_true(smr_contrast(&flat, found) == 0.0f);
+        smr_centre(&reference, found, &both);
+        assert_true(fabsf(smr_contrast(&both, 4) - fminf(gain[k], 4.0f)) < 1.0e-3f);
     }
     found[2] = HUGE_VALF;
-    assert_true(smr_contrast(&reference, found) >= 0.0f && smr_contrast(&reference, found) <= 4.0f);
+    smr_centre(&reference, found, &both);
+    assert_true(smr_contrast(&both, 4) >= 0.0f && smr_contrast(&both, 4) <= 4.0f);
 }
 
 /* Lines of which a part lies outside tell nothing. */

@@ -215,6 +215,7 @@ typedef struct image_sample {
     float first; /* position of the first compared sample on the search line, in samples */
     uint8_t value[SMR_PROFILE_MAX];
     float found[SMR_PROFILE_MAX];
+    smr_centred both; /* reference and image, each less its mean */
 } image_sample;
 
 /* Writes image and profile at a goal to *sample. offset: goal minus vertex along the normal, in samples. */
@@ -236,6 +237,7 @@ static void sample_at(const reference_profile *r, const uint8_t *value, const se
         sample->value[k] = value[k * sample->hop];
     }
     sample->reference.n = n;
+    smr_centre(&sample->reference, sample->found, &sample->both);
 }
 
 /* Stores contrast (image / profile) and brightness ((image - profile) / noise) at the goal of v as bytes. */
@@ -248,7 +250,7 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     const float steps = more / ((float)reference->n * noise);
     if (!smr_within(steps, 1.0e6f)) /* NaN, or too large for an image */
         return;
-    const float contrast = smr_contrast(reference, sample->found) * (float)SMR_CONTRAST_ONE;
+    const float contrast = smr_contrast(&sample->both, reference->n) * (float)SMR_CONTRAST_ONE;
     g->contrast_next[v] = (uint8_t)smr_min(contrast + 0.5f, 255.0f);
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
@@ -264,7 +266,7 @@ static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, con
     const float reach = smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm);
     const smr_vec at = smr_add(l->start, smr_scale(l->step, sample->first)), normal = smr_get3(g->shape->normal, v);
     const smr_vec step = smr_scale(l->step, (float)sample->hop);
-    const smr_place place = {&sample->reference, at, step, normal, sample->found, owner->gain, owner->noise, reach};
+    const smr_place place = {&sample->reference, at, step, normal, &sample->both, owner->gain, owner->noise, reach};
     return smr_scale(smr_tangential_shift(&g->grid, &place), g->shared->config.image.sideways);
 }
 
@@ -319,8 +321,8 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
                                 c->image.blend == SMR_BLEND_PLAIN};
     if (l.reach > 0u)
-        match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
-    smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
+        match = smr_profile_match(&as_bright, line + first, whole ? NULL : inside + first, r.n + 2u * l.reach, &how);
+    smr_peak edge = edge_of(c, &as_bright, &r, &l, line, whole ? NULL : inside);
     if (noise > SMR_NOISY_EDGE)
         edge.confidence *= smr_max(SMR_NOISY_EDGE / noise, 0.5f);
     const float total = match.confidence + edge.confidence;

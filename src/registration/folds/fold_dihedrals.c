@@ -7,7 +7,7 @@
 void smr_runs_clear(smr_folds *f)
 {
     memset(f->touched, 0, sizeof f->touched);
-    f->run_bits = 0;
+    f->run_bits = f->n_touched = 0;
     while (f->shared->n_triangles >> f->run_bits >= SMR_RUNS)
         f->run_bits++;
 }

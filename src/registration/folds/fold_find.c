@@ -67,7 +67,7 @@ void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
     const uint32_t first = task * SMR_DIHEDRAL_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_DIHEDRAL_CHUNK, f->shared->n_dihedrals);
     if (w->at == 0u)
-        f->tally[task].folds.n_bent = f->tally[task].folds.n_open = 0;
+        memset(&f->tally[task].folds, 0, sizeof f->tally[task].folds);
     smr_worker_needs(w, SMR_FIND_PIECE * (SMR_WORK_DIHEDRAL + SMR_WORK_BENT));
     for (uint32_t from = first + w->at; from < last; from += SMR_FIND_PIECE) {
         if (smr_worker_stops(w, from - first))

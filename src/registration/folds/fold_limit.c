@@ -87,24 +87,30 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     }
 }
 
-/* Returns 1 when no corner near the edge has moved since the edge was last tested. */
-static int passed_over(const smr_folds *f, uint32_t i)
-{
-    const smr_stored_dihedral *h = smr_edge_at(f, i);
-    const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h), round = f->limit.round;
-    if (round == 0u)
-        return f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u;
-    return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||
-           (!smr_any_marked(f, first) && !smr_any_marked(f, second));
-}
-
+/* Tests those dihedral edges from .. to - 1, of one task of fold_find.c, near which a corner has moved since their last
+ * test. A soft round passes over edges that had no touched run before, as long as no more runs are touched. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_fold_limit *l = &f->limit;
+    smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
+    const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
+    const uint32_t round = l->round, n = f->shared->n_triangles;
+    const uint32_t piece = (uint32_t)1 << (from % SMR_DIHEDRAL_CHUNK / SMR_LOOK_CHUNK);
+    uint32_t n_near = 0; /* number of edges with a touched run */
+    if (tally->folds.n_touched != f->n_touched)
+        tally->folds.quiet = 0;
+    tally->folds.n_touched = f->n_touched;
+    if (round == 0u ? tally->folds.n_bent == 0u : round <= SMR_SOFT_ROUNDS && (tally->folds.quiet & piece) != 0u)
+        return;
     for (uint32_t i = from; i < to; i++) {
-        if (passed_over(f, i))
+        const smr_stored_dihedral *h = dihedral + i;
+        const uint32_t first = smr_index(smr_le32(h->first), n);
+        const uint32_t second = smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, n);
+        const int near = smr_run_touched(f, first) || smr_run_touched(f, second);
+        n_near += (uint32_t)near;
+        if (round > 0u &&
+            ((round <= SMR_SOFT_ROUNDS && !near) || (!smr_any_marked(f, first) && !smr_any_marked(f, second))))
             continue;
-        const smr_stored_dihedral *h = smr_edge_at(f, i);
         const float next = smr_dihedral_cosine(f, f->shape->x_next, h), limit = smr_edge_limit(h);
         if (l->round < SMR_SOFT_ROUNDS) {
             const float share = smr_fold_limit_share(f, h, next);
@@ -117,6 +123,7 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
             l->most = 1.0f;
         }
     }
+    tally->folds.quiet |= n_near == 0u ? piece : 0u;
 }
 
 static void touch(smr_folds *f, uint32_t triangle, uint32_t last)

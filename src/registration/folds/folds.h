@@ -65,6 +65,7 @@ typedef struct smr_folds {
     smr_fold_limit limit;
     smr_fold_open open;
     uint32_t run_bits;                /* a run is 2^run_bits triangles */
+    uint32_t n_touched;               /* number of bits set in `touched` */
     uint64_t touched[SMR_RUNS / 64u]; /* a bit for each run; 1: repair or limit marked a corner of the run */
 } smr_folds;
 
@@ -136,6 +137,7 @@ void smr_runs_clear(smr_folds *f); /* clears the bits of all runs: no run has a 
 static inline void smr_run_touch(smr_folds *f, uint32_t triangle)
 {
     const uint32_t run = triangle >> f->run_bits;
+    f->n_touched += !(f->touched[run / 64u] >> (run % 64u) & 1u);
     f->touched[run / 64u] |= (uint64_t)1 << (run % 64u);
 }
 

@@ -50,6 +50,8 @@ typedef union smr_tally {
     struct {
         uint32_t n_bent; /* number of dihedral edges that fold or must be limited */
         uint32_t n_open; /* number of dihedral edges that are folded but were open at rest */
+        uint32_t quiet;  /* a bit for each piece of the edges: none had a touched run when n_touched runs were */
+        uint32_t n_touched;
     } folds;
 } smr_tally;
 
