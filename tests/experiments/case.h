@@ -31,6 +31,7 @@ typedef struct case_options {
     double deform_mm, sigma_mm; /* mean displacement over the surface, and of the Gaussians */
     double shift_mm, turn_deg;  /* how far the model starts from the target */
     double noise_mm;            /* standard deviation along the normals */
+    int dense;                  /* how often the model's triangles are cut into four */
     double outliers;            /* share of the target's vertices that belong to stray triangles */
 } case_options;
 
