@@ -390,8 +390,8 @@ smr_status smr_get_pose(const smr *s, uint32_t structure, smr_pose *pose, float 
 /* Writes ratio[n_vertices], in the caller's order; for SMR_ALL, of all structures in a row. A ratio is the volume
  * between the surface of the vertex' cluster and the cluster's centre, with the scale, divided by that volume at rest,
  * -1e6..1e6; below 0: inside out. The less the surface surrounds the cluster, the more the ratio is the change of
- * area; without a surface, it is the cube of the model's scale. radius_mm: 0..SMR_COORD_MAX; the clusters have the
- * model's radius nearest to radius_mm; 0 means eight mean edges. Choose a radius as large as the structure is thick.
+ * area; without a surface, it is the cube of the model's scale. radius_mm: 0..SMR_COORD_MAX; of the radii at which
+ * clusters hold all vertices the nearest is taken; 0: eight mean edges. Choose one as large as the structure is thick.
  * The call takes as long as an iteration. Errors: as smr_get_verdict(), and E_STATE without inputs. */
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio);
 
@@ -399,9 +399,9 @@ smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, flo
 uint64_t smr_state_hash(const smr *s);
 
 /* Sets the number of active vertices from the next iteration on: the first n_active in the order of priority take part.
- * The number is raised to smr_model_info.active_min of the radius and cut to all vertices. With 0, the initial value,
- * configuration and budget decide. smr_set_pose() and smr_set_positions() keep n_active. Ticks without a clock, each
- * with the n_taken of a recorded iteration, repeat the iterations to the last bit. Errors: E_NULL, E_STATE. */
+ * The number is raised to smr_model_info.active_min of the radius and cut to the vertices that the radius' clusters
+ * hold. With 0, the initial value, configuration and budget decide. smr_set_pose() and smr_set_positions() keep the
+ * number. Ticks with the n_taken of recorded iterations, without clock, repeat these bits. Errors: E_NULL, E_STATE. */
 smr_status smr_set_active(smr *s, uint32_t n_active);
 
 /* ------------------------------------------------------------------ 8. prepare and models in detail */

@@ -39,7 +39,9 @@ struct smr_model {
     uint32_t at_along; /* uint32 [n_vertices]: position of each stored vertex on the curve, ascending in a level */
     uint32_t n_levels, level_end[SMR_LEVELS_MAX]; /* stored vertices up to each level's end; zeros behind the last */
     uint32_t n_sections, at_sections; /* smr_stored_section [n_sections <= SMR_SECTIONS_MAX]; offset 0: no sections */
-    uint32_t zero[6];
+    uint32_t coarse_radii;    /* clusters of the first radii hold only the first coarse_vertices stored vertices */
+    uint32_t coarse_vertices; /* 0 where clusters of all radii hold all vertices */
+    uint32_t zero[4];
 };
 
 /* Entry of an added section. A library that does not know the kind skips an optional and refuses a required one. */
@@ -118,6 +120,7 @@ typedef struct smr_lists {
     const void *entry, *count, *index;
     const smr_stored_boundary *boundary;
     uint32_t n, n_indexes, n_boundary, index_bytes, n_blocks, largest, smallest, active_min; /* n: vertices */
+    uint32_t members; /* clusters hold only the first `members` stored vertices */
     float radius, reach;
 } smr_lists;
 

@@ -227,12 +227,13 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
         smr_le32(r->active_min) > n)
         return 0;
     const smr_lists l = smr_model_lists(m, index);
+    if (l.members > n || l.active_min > l.members || !all_below(l.index, width, n_indexes, l.members))
+        return 0;
     for (uint32_t v = 0; v < n; v++)
         if (smr_list_count(&l, v) == 0u || smr_list_count(&l, v) > smr_le32(r->largest))
             return 0;
-    if (!all_below(l.index, width, n_indexes, n) || smr_le32(l.block[0].first) != 0u ||
-        smr_le32(l.block[0].first_index) != 0u || smr_le32(l.block[n_blocks].first) != n ||
-        smr_le32(l.block[n_blocks].first_index) != n_indexes)
+    if (smr_le32(l.block[0].first) != 0u || smr_le32(l.block[0].first_index) != 0u ||
+        smr_le32(l.block[n_blocks].first) != n || smr_le32(l.block[n_blocks].first_index) != n_indexes)
         return 0;
     for (uint32_t b = 0; b < n_blocks; b++) {
         uint32_t first = smr_le32(l.block[b].first), last = smr_le32(l.block[b + 1u].first);
@@ -286,7 +287,8 @@ int smr_model_known(const smr_model *m)
            smr_le32(m->bytes) >= sizeof *m && n >= 1u && n <= SMR_VERTICES_MAX &&
            smr_le32(m->n_triangles) <= SMR_TRIANGLES_MAX && smr_le32(m->n_structures) >= 1u &&
            smr_le32(m->n_structures) <= SMR_STRUCTURES_MAX && smr_le32(m->n_radii) >= 1u &&
-           smr_le32(m->n_radii) <= SMR_RADII_MAX && (width == 4u || (width == 2u && n <= 65535u));
+           smr_le32(m->n_radii) <= SMR_RADII_MAX && (width == 4u || (width == 2u && n <= 65535u)) &&
+           smr_le32(m->coarse_radii) < smr_le32(m->n_radii) && (m->coarse_radii == 0u) == (m->coarse_vertices == 0u);
 }
 
 static int check_header(const smr_model *m, size_t bytes)

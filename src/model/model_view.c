@@ -33,6 +33,8 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
                        .largest = smr_le32(r->largest),
                        .smallest = smr_le32(r->smallest),
                        .active_min = smr_le32(r->active_min),
+                       .members =
+                           radius < smr_le32(m->coarse_radii) ? smr_le32(m->coarse_vertices) : smr_le32(m->n_vertices),
                        .radius = smr_le_float(r->radius),
                        .reach = smr_le_float(r->reach)};
 }

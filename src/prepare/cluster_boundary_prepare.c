@@ -22,7 +22,8 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
     const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_BOUNDARY_UNITS + 0.5f);
     const int add = units - (inside ? SMR_BOUNDARY_UNITS : 0);
-    if (add == 0 || smr_kept_apart(p, a, b) || (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
+    const int member = p->members == 0u || smr_min_u32(p->stored[a], p->stored[b]) < p->members;
+    if (add == 0 || !member || smr_kept_apart(p, a, b) || (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
         return;
     const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_BOUNDARY_UNITS / 2)};
     const size_t at = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);

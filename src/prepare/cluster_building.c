@@ -196,6 +196,8 @@ uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
     smr_row_keep_structure(p, v, row);
     for (uint32_t i = p->neighbour_start[v]; smr_holds_neighbours(p, radius) && i < p->neighbour_start[v + 1u]; i++)
         smr_row_set(row, p->words, p->neighbour[i]);
+    for (uint32_t w = smr_row_first(row, p->words); p->members > 0u && w < smr_row_last(row, p->words); w++)
+        row[w] &= p->important[w];
     return touched;
 }
 

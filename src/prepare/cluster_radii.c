@@ -4,6 +4,8 @@
  * of the one before, and a last radius far below an edge, where clusters are single vertices.
  * Images: fixed radii of human size. A single structure, which no neighbouring structure guides from the error of the
  * start pose, also gets clusters over its whole length and over a third.
+ * Dense structures: radii are those of a structure of fewer vertices; clusters of coarse radii hold only the most
+ * important vertices, because larger clusters make iterations slow and not better.
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
@@ -12,6 +14,10 @@
 #define SMR_FREE_EDGES 0.01f  /* finest radius, in mean edge lengths */
 #define SMR_RATIO 0.66f       /* each radius as a share of the next coarser one */
 #define SMR_MEMBERS_MAX 1500u /* largest mean number of vertices in a cluster: more only makes iterations slow */
+#define SMR_DENSE 8000u       /* largest number of vertices in a structure that is not dense */
+#define SMR_FEW 5000u         /* vertices of a dense structure that suffice at coarse radii, and at least ... */
+#define SMR_FEW_SHARE 25u     /* ... this part of its vertices: 1 / SMR_FEW_SHARE */
+#define SMR_MEMBERS_ALL 300u  /* largest mean number of vertices in a dense model's cluster that holds all vertices */
 #define SMR_PROBES 64u        /* largest number of clusters that are built to estimate the mean size */
 
 /* Returns the mean number of vertices in clusters of this radius, mm, estimated from at most SMR_PROBES clusters. */
@@ -24,6 +30,44 @@ static uint32_t mean_members(smr_plan *p, float radius)
         sum += smr_row_count(smr_plan_row(p, 0), p->words);
     }
     return (uint32_t)(sum / probes);
+}
+
+uint32_t smr_plan_thinned(const smr_plan *p)
+{
+    const smr_prepare_config *c = p->config;
+    uint32_t n = 0;
+    if (!c->priority || c->n_radii > 0u || c->reference != NULL || c->order != SMR_ORDER_FOREST ||
+        c->distance != SMR_DISTANCE_EUCLIDEAN)
+        return p->n;
+    for (uint32_t s = 0; s < p->n_structures; s++) {
+        const uint32_t all = p->structures[s].mesh.n_vertices;
+        const int dense = all > SMR_DENSE && p->structures[s].mesh.n_triangles > 0u;
+        n += dense ? smr_max_u32(SMR_FEW, all / SMR_FEW_SHARE) : all;
+    }
+    return n;
+}
+
+void smr_plan_coarse(smr_plan *p, const float *radius, uint32_t n_radii)
+{
+    const uint32_t thinned = smr_plan_thinned(p);
+    uint32_t members = p->n, r = 0;
+    /* active_min vertices lie evenly; they are the fewer the coarser the radius */
+    for (uint32_t k = n_radii; k-- > 0u && (members == p->n || p->active_min[k] >= thinned / 2u);)
+        members = smr_min_u32(members, p->active_min[k]);
+    while (thinned < p->n && members < p->n && r + 1u < n_radii && p->active_min[r] <= members &&
+           mean_members(p, radius[r]) > SMR_MEMBERS_ALL)
+        r++;
+    p->coarse_radii = r;
+    p->coarse_vertices = r > 0u ? members : 0u;
+}
+
+void smr_plan_members(smr_plan *p, uint32_t radius)
+{
+    p->members = radius < p->coarse_radii ? p->coarse_vertices : 0u;
+    for (uint32_t w = 0; p->members > 0u && w < p->words; w++)
+        p->important[w] = 0;
+    for (uint32_t i = 0; i < p->members; i++)
+        p->important[p->along[i] / 64u] |= (uint64_t)1 << (p->along[i] % 64u);
 }
 
 /* Returns the model's length, mm: that of a thin rod whose points have the same variance. The pose does not matter. */
@@ -69,7 +113,8 @@ uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
         radius[0] = 1.0f;
         return 1u;
     }
-    for (uint32_t i = 0; i < 40u && mean_members(p, coarse) > SMR_MEMBERS_MAX; i++)
+    const uint32_t most = (uint32_t)((uint64_t)SMR_MEMBERS_MAX * p->n / smr_plan_thinned(p));
+    for (uint32_t i = 0; i < 40u && mean_members(p, coarse) > most; i++)
         coarse *= 0.9f;
     const float fine = smr_max(p->edge_mm > 0.0f ? p->edge_mm * SMR_FINE_EDGES : coarse * 0.1f, size * 1.0e-3f);
     uint32_t n = 0;

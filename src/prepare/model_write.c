@@ -137,7 +137,9 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
                              .index_bytes = p->n <= 65535u ? 2u : 4u,
                              .order = p->config->order,
                              .edge_mm = smr_float_bits(p->edge_mm),
-                             .n_levels = p->n_levels};
+                             .n_levels = p->n_levels,
+                             .coarse_radii = p->coarse_radii,
+                             .coarse_vertices = p->coarse_vertices};
     smr_put_section(w, sizeof head);
     memcpy(head.centre, p->centre, sizeof head.centre);
     memcpy(head.level_end, p->level_end, p->n_levels * sizeof head.level_end[0]);
@@ -146,6 +148,7 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
     head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_stored_radius));
     for (uint32_t i = 0; i < n_radii; i++) {
         p->separate = radius[i] < separate_below;
+        smr_plan_members(p, i);
         SMR_TRY(write_lists(p, w, head.at_radii + i * sizeof(smr_stored_radius), radius[i], i, n_radii));
     }
     smr_write_references(p, w, &head);

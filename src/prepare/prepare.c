@@ -129,6 +129,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->forest.parent = smr_arena_take(a, (size_t)p->block_size + 1u, u);
     p->forest.link_start = smr_arena_take(a, (size_t)p->block_size + 2u, u);
     p->forest.link = smr_arena_take(a, (size_t)p->block_size + 1u, 2u * u);
+    p->important = smr_plan_thinned(p) < p->n ? smr_arena_take(a, p->words, sizeof(uint64_t)) : NULL;
     p->queue = smr_arena_take(a, n + 1u, u);
     p->geo_distance = geodesic ? smr_arena_take(a, n, u) : NULL;
     p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, sizeof(uint64_t)) : NULL;
@@ -194,9 +195,11 @@ static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
         n_radii = smr_choose_radii(p, radius);
     const float below = separate_below(p->config, radius, n_radii);
     p->progress_total = n_radii * (p->config->order == SMR_ORDER_FOREST ? smr_ceil_div(p->n, p->block_size) : 1u);
-    const int empty = w->model == NULL || !p->config->priority; /* S stays empty: the model's size does not need S */
+    /* S may stay empty: the size of a model whose clusters hold all vertices does not need S */
+    const int empty = (w->model == NULL && smr_plan_thinned(p) == p->n) || !p->config->priority;
     SMR_TRY(smr_plan_priority(p, radius, n_radii, below, empty));
     smr_plan_levels(p, n_radii);
+    smr_plan_coarse(p, radius, n_radii);
     return smr_write_model(p, w, radius, n_radii, below);
 }
 

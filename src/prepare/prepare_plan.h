@@ -75,10 +75,13 @@ typedef struct smr_plan {
 
     /* written by smr_plan_levels(): the order in which the model stores its vertices */
     uint32_t n_levels;
-    uint32_t level_end[SMR_LEVELS_MAX]; /* number of vertices in each level and all levels before it */
-    uint32_t *stored;                   /* [n] stored vertex of each vertex along the curve */
-    uint32_t *along;                    /* [n] vertex along the curve of each stored vertex */
-    uint32_t *level;                    /* [n] level of each vertex along the curve; the memory of priority.next */
+    uint32_t level_end[SMR_LEVELS_MAX];     /* number of vertices in each level and all levels before it */
+    uint32_t *stored;                       /* [n] stored vertex of each vertex along the curve */
+    uint32_t *along;                        /* [n] vertex along the curve of each stored vertex */
+    uint32_t coarse_radii, coarse_vertices; /* as in the model: smr_plan_coarse() */
+    uint32_t members;                       /* clusters hold only the first `members` stored vertices; 0: all */
+    uint64_t *important;                    /* [words] these vertices along the curve; only with a dense structure */
+    uint32_t *level;                        /* [n] level of each vertex along the curve; the memory of priority.next */
 
     /* written for each radius */
     uint64_t *row;       /* [n_rows][words + 1] rows of bits: sets of vertices, see smr_plan_row() */
@@ -114,6 +117,13 @@ smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; erro
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
+
+/* Returns the number of vertices that the model would have with few vertices in each structure; with options that need
+ * all vertices in all clusters the number of vertices. */
+uint32_t smr_plan_thinned(const smr_plan *p);
+/* Chooses coarse_vertices, and coarse_radii among radii chosen by smr_choose_radii(). Needs active_min. */
+void smr_plan_coarse(smr_plan *p, const float *radius, uint32_t n_radii);
+void smr_plan_members(smr_plan *p, uint32_t radius); /* sets members and important[] for the radius of this index */
 
 /* Computes the priority list S for all radii, and active_min of each radius. separate_below: radius, mm, below which
  * clusters contain vertices of one structure only; empty 1: leaves S empty. Errors: E_ABORTED. */

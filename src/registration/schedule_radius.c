@@ -11,8 +11,8 @@
 
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm)
 {
-    uint32_t best = first;
-    for (uint32_t r = first + 1u; r <= last; r++)
+    uint32_t best = smr_min_u32(smr_max_u32(first, smr_le32(m->coarse_radii)), last);
+    for (uint32_t r = best + 1u; r <= last; r++)
         if (mm * mm < smr_model_lists(m, best).radius * smr_model_lists(m, r).radius)
             best = r;
     return best;
@@ -86,7 +86,8 @@ uint32_t smr_radius_active(const smr *s)
     if (s->forces.image.has_image && s->shared.config.schedule.active_enough > 0u)
         count = smr_min(count, enough_for_image(s));
     const uint32_t whole = (uint32_t)count;
-    return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->schedule.lists.active_min), s->shared.n);
+    return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->schedule.lists.active_min),
+                       s->schedule.lists.members);
 }
 
 /* Returns 1 when folds are repaired before this radius. Not with an image alone: the clusters of its last radius undo

@@ -12,7 +12,7 @@ void smr_radius_go(smr *s, uint32_t radius);  /* makes this the current radius, 
 void smr_radius_take(smr *s);                 /* sets clusters, momentum and search distance of the current radius */
 uint32_t smr_radius_active(const smr *s);     /* returns the number of active vertices by configuration and clusters */
 uint32_t smr_radius_iterations(const smr *s); /* returns the largest number of iterations at the current radius */
-/* returns the index, first .. last, of the radius whose ratio to `mm` is nearest to 1 */
+/* returns the index, first .. last, of the radius, with all vertices in clusters, whose ratio to mm is nearest to 1 */
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm);
 uint32_t smr_radius_after(const smr *s); /* returns the index of the radius for tracking and for dynamics */
 float smr_radius_progress(const smr *s); /* returns the completed share of the schedule's iterations, 0..1 */

@@ -33,6 +33,7 @@ typedef struct case_options {
     double flex_deg;            /* turn of all bodies but the first about the VHM's right hip joint */
     int joined;                 /* 1: all bodies' targets are in the first one's file */
     double noise_mm;            /* standard deviation along the normals */
+    int dense;                  /* how often the model's triangles are cut into four */
     double outliers;            /* share of the target's vertices that belong to stray triangles */
 } case_options;
 

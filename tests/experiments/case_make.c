@@ -259,14 +259,19 @@ static void add_strays(host_mesh *mesh, const host_mesh *whole, double outliers,
 
 /* ---- all of it */
 
-static void make_surfaces(case_body *body, const bend *b, oracle_random *r)
+static void make_surfaces(case_body *body, const bend *b, oracle_random *r, int dense)
 {
-    body->truth = case_copy(&body->model);
-    bend_mesh(&body->truth, b);
     body->whole = case_subdivide(&body->model, NULL);
     bend_mesh(&body->whole, b);
     body->target = case_subdivide(&body->model, r);
     bend_mesh(&body->target, b);
+    for (int i = 0; i < dense; i++) {
+        const host_mesh finer = case_subdivide(&body->model, NULL);
+        host_mesh_free(&body->model);
+        body->model = finer;
+    }
+    body->truth = case_copy(&body->model);
+    bend_mesh(&body->truth, b);
 }
 
 /* Flexes the hip: turns a body's truth and target about the axis to the left through the head of the VHM's femur. */
@@ -316,7 +321,7 @@ void case_make(case_data *data, const case_options *options)
     oracle_random r = oracle_seed(8000u + options->seed);
     double axes[9], visible = 0.0, area = 0.0;
     for (uint32_t i = 0; i < data->n; i++) {
-        make_surfaces(&data->body[i], &b, &r);
+        make_surfaces(&data->body[i], &b, &r, options->dense);
         if (i > 0u)
             flex(&data->body[i], options->flex_deg);
     }

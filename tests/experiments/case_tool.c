@@ -7,7 +7,7 @@
 
 static const char usage[] =
     "case_tool make [NAME=VALUE...] DIR [x:]FILE...       model, target, truth, whole, seen in DIR; x: mirrored\n"
-    "    seed part (whole side patches end front) share patches noise outliers deform sigma shift turn; "
+    "    seed part (whole side patches end front) share patches noise outliers deform sigma shift turn dense; "
     "view=SEED: a patch of any size, seen from any start; beside=FILE: in the first target, too;\n"
     "    flex=DEG: all but the first turn about the hip joint; joined=1: one target file\n"
     "case_tool pair DIR [x:]MODEL [x:]TARGET A B C D [TRUTH]   another's surface: shares A-B of the model, C-D of the "
@@ -59,6 +59,8 @@ static void set_option(case_options *o, const char *word)
             memcpy((char *)o + numbers[i].at, &value, sizeof value);
     if (strncmp(word, "seed", n) == 0)
         o->seed = (uint32_t)value;
+    else if (strncmp(word, "dense", n) == 0)
+        o->dense = (int)value;
     else if (strncmp(word, "view", n) == 0)
         set_view(o, (uint32_t)value);
     else if (strncmp(word, "joined", n) == 0)

@@ -129,3 +129,14 @@ TEST(clusters_have_a_limit)
     assert_in_range(many.largest_cluster[0], 1300, 1800);
     assert_true(many.radius_mm[0] < 55.0f);
 }
+
+/* The radii of a dense structure are those of a thinner one, and clusters hold no more vertices. */
+TEST(density_does_not_matter)
+{
+    unit_mesh thin = unit_sphere(5, 60.0f, 0.0f), dense = unit_sphere(6, 60.0f, 0.0f);
+    const smr_model_info few = info_of(&thin), many = info_of(&dense);
+    assert_true(fabsf(many.radius_mm[0] / few.radius_mm[0] - 1.0f) < 0.1f);
+    assert_true(many.largest_cluster[0] < few.largest_cluster[0] * 3u / 2u);
+    unit_mesh_free(&thin);
+    unit_mesh_free(&dense);
+}

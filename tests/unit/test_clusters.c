@@ -37,6 +37,63 @@ static void check_image(const unit_image *image, int geodesic, int ring)
     rig_free(want);
 }
 
+/* Returns a number whose sums tell sets of vertices apart. */
+static uint64_t mark(uint32_t v) { return (v + 1u) * (uint64_t)0x9e3779b97f4a7c15u; }
+
+/* Compares the marks' sums along the order L with sums over the first `members` stored vertices within the radius. */
+static void check_coarse(const smr_model *m, uint32_t radius)
+{
+    const smr_lists l = smr_model_lists(m, radius);
+    uint64_t *sum = rig_rough(8u * (size_t)l.n);
+    for (uint32_t b = 0, at = 0; b < l.n_blocks; b++) {
+        const uint32_t first = smr_le32(l.block[b].first), last = smr_le32(l.block[b + 1u].first);
+        for (uint32_t e = first; e < last; e++) {
+            uint32_t field[4];
+            for (uint32_t i = 0; i < 4u; i++)
+                field[i] = smr_index_at(l.entry, l.index_bytes, 4u * (size_t)e + i);
+            const uint32_t parent = smr_index_at(l.entry, l.index_bytes, 4u * (size_t)(first + field[1]));
+            sum[field[0]] = field[1] == e - first ? 0u : sum[parent];
+            for (uint32_t i = 0; i < field[2] + field[3]; i++, at++) {
+                const uint32_t v = smr_index_at(l.index, l.index_bytes, at);
+                assert_true(v < l.members);
+                sum[field[0]] += i < field[2] ? mark(v) : 0u - mark(v);
+            }
+        }
+    }
+    const uint32_t *const rest = smr_at(m, m->at_rest);
+    for (uint32_t a = 0; a < l.n; a++) {
+        uint32_t count = 0;
+        for (uint32_t v = 0; v < l.members; v++) {
+            float d2 = 0.0f;
+            for (uint32_t i = 0; i < 3u; i++) {
+                const float d = smr_le_float(rest[3u * v + i]) - smr_le_float(rest[3u * a + i]);
+                d2 += d * d;
+            }
+            count += d2 <= l.radius * l.radius;
+            sum[a] -= d2 <= l.radius * l.radius ? mark(v) : 0u;
+        }
+        assert_int_equal(count, smr_list_count(&l, a));
+        assert_true(sum[a] == 0u && count >= 3u);
+    }
+    rig_free(sum);
+}
+
+/* In a dense structure clusters of coarse radii hold the most important vertices only. */
+TEST(dense_structures)
+{
+    unit_mesh m = unit_sphere(6, 60.0f, 0.0f);
+    const smr_prepare_config c = smr_prepare_config_default();
+    unit_image image = unit_prepare_mesh(&m, &c);
+    const uint32_t coarse = smr_le32(image.model->coarse_radii);
+    assert_in_range(coarse, 2, smr_le32(image.model->n_radii) - 3u);
+    assert_true(smr_le32(image.model->coarse_vertices) < m.nv / 2u);
+    for (uint32_t k = 0; k < coarse; k++)
+        check_coarse(image.model, k);
+    assert_int_equal(smr_model_lists(image.model, coarse).members, m.nv);
+    unit_image_free(&image);
+    unit_mesh_free(&m);
+}
+
 /* On a lattice many distances equal the radius exactly: they are in. */
 TEST(lattice_has_exact_ties)
 {

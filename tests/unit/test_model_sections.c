@@ -113,8 +113,10 @@ TEST(hostile_values_are_refused)
     assert_int_equal(open_with(&w, &w.table[2].kind, smr_le32(w.table[0].kind)), SMR_E_MODEL);
     assert_int_equal(open_with(&w, &w.table[1].flags, 2), SMR_E_MODEL);
     assert_int_equal(open_with(&w, &w.table[1].flags, 0x80000000u), SMR_E_MODEL);
-    for (uint32_t i = 0; i < 6u; i++)
+    for (uint32_t i = 0; i < 4u; i++)
         assert_int_equal(open_with(&w, &w.head->zero[i], 1), SMR_E_MODEL);
+    assert_int_equal(open_with(&w, &w.head->coarse_radii, 1), SMR_E_MODEL); /* no vertex in clusters */
+    assert_int_equal(open_with(&w, &w.head->coarse_vertices, 1), SMR_E_MODEL);
     assert_int_equal(open_now(&w, &model), SMR_OK); /* it was the change each time */
 }
 

@@ -59,7 +59,7 @@ static void keep_schedule(smr_arena *a, smr *s)
     if (a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
         return;
     smr_radius_take(s);
-    smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
+    smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n) && p->n_active <= p->lists.members);
     const smr_config *c = &s->shared.config;
     const uint32_t most =
         smr_at_last_radius(&s->shared, p) ? c->basic.iterations_last : SMR_FIRST_CLOUD * c->basic.iterations;

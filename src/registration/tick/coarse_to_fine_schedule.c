@@ -11,8 +11,9 @@
  * SMR_ACTIVE_EVERY iterations. The caller's choice, and vertices that a budget left out, do not wait. */
 static void choose_active(smr *s)
 {
+    const smr_lists *const l = &s->schedule.lists;
     const uint32_t count = s->schedule.n_active_chosen > 0u
-                               ? smr_max_u32(s->schedule.n_active_chosen, s->schedule.lists.active_min)
+                               ? smr_min_u32(smr_max_u32(s->schedule.n_active_chosen, l->active_min), l->members)
                                : smr_radius_active(s);
     s->report.details.n_wanted = count;
     if (count == s->schedule.n_active || (s->schedule.n_active_chosen == 0u && !s->budget.cut && !s->reference.stale &&
