@@ -42,10 +42,7 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 /* Returns the squared distance, mm^2, from q's point to triangle i; writes the weights of the closest point. */
 static inline float measure(const smr_box_tree *f, const smr_query *q, uint32_t i, float weight[3])
 {
-    const uint32_t *t =
-        smr_triangle_at(f->triangle, i, f->n_vertices); /* a pointer: corners by value cost 15 % more instructions */
-    return smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]),
-                                weight);
+    return smr_triangle_closest_of(&q->point, f->xyz, smr_triangle_at(f->triangle, i, f->n_vertices), weight);
 }
 
 /* Returns 1 unless the normal of triangle i disagrees or the mask leaves the triangle out. */
