@@ -130,21 +130,24 @@ static uint32_t search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, co
 {
     uint32_t n = 0;
     for (; near != 0u; near &= near - 1u) {
-        const uint32_t k = (uint32_t)__builtin_ctz(near), before = hit->triangle;
-        const int wanted =
-            box_d2[k] <= hit->d2 * widen && first + k < f->n_triangles && accepted(f, mask, q, first + k);
-        smr_hit found = {0.0f, first + k, {0, 0, 0}};
-        if (!wanted && (known == NULL || found.triangle >= f->n_triangles))
+        const uint32_t k = (uint32_t)__builtin_ctz(near), i = first + k, before = hit->triangle;
+        const smr_hit *found = warm;
+        smr_hit own;
+        if (i >= f->n_triangles)
+            break;
+        const int wanted = box_d2[k] <= hit->d2 * widen && accepted(f, mask, q, i);
+        if (!wanted && known == NULL)
             continue;
         n++;
-        if (found.triangle == warm->triangle)
-            found = *warm;
-        else
-            found.d2 = measure(f, q, found.triangle, found.weight);
+        if (i != warm->triangle) {
+            own.triangle = i;
+            own.d2 = measure(f, q, i, own.weight);
+            found = &own;
+        }
         if (wanted)
-            take(f, &found, hit, widen, list);
+            take(f, found, hit, widen, list);
         if (known != NULL)
-            note_other(f, q, found.triangle, found.d2, box_d2[k], before, hit, known, b);
+            note_other(f, q, i, found->d2, box_d2[k], before, hit, known, b);
     }
     return n;
 }
