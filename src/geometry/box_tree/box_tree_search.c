@@ -309,6 +309,10 @@ int smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_n
         return 0;
     if (hit->triangle == SMR_NONE)
         list->n = 0; /* all triangles of the list lie just beyond the search distance */
+    if (list->n == 1u && list->item[0].triangle == hit->triangle) {
+        list->item[0].share = 1.0f;
+        return 1;
+    }
     const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
     float total = 0.0f;
     for (uint32_t i = 0; i < list->n; i++) {
