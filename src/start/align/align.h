@@ -219,6 +219,7 @@ typedef struct smr_coarse {
 } smr_coarse;
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
+void smr_coarse_sort(smr_coarse *c); /* sorts the target's samples along a curve, and sets their boxes */
 
 #define SMR_CUBE 24u /* number of rotations of a cube */
 #define SMR_TURNS 8u /* number of further rotations; each is combined with all rotations of the cube */

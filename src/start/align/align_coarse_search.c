@@ -18,8 +18,28 @@
 #define SMR_DIAG 0.604599788f /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
 #define SMR_END_SLACK 0.01f   /* tolerance at the shorter surface's ends / its length, for rounding */
 
-/* Sorts the target's samples along a curve, and sets their boxes. */
-static void sort_target(smr_coarse *c)
+void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
+{
+    c->faced = a->side[SMR_TARGET].bare || a->side[SMR_MODEL].bare ? 0.0f : 1.0f;
+    c->limit = SMR_COARSE_LIMIT * smr_aligner_spread(a);
+    for (uint32_t side = 0; side < SMR_SIDES; side++) {
+        float all = 1.0e-6f;
+        for (uint32_t k = 0; k < SMR_COARSE; k++) {
+            const uint32_t i = smr_sample(&a->side[side], k, SMR_COARSE);
+            float v[6];
+            smr_store(v, a->side[side].point[i]);
+            smr_store(v + 3, a->side[side].normal[i]);
+            for (uint32_t j = 0; j < 6u; j++)
+                c->x[side][j][k] = v[j];
+            c->weight[side][k] = a->side[side].weight[i];
+            all += c->weight[side][k];
+        }
+        for (uint32_t k = 0; k < SMR_COARSE; k++)
+            c->weight[side][k] /= all;
+    }
+}
+
+void smr_coarse_sort(smr_coarse *c)
 {
     float(*const x)[SMR_COARSE] = c->x[SMR_TARGET];
     uint32_t key[SMR_COARSE], item[SMR_COARSE], tmp[2u * SMR_COARSE];
@@ -50,28 +70,6 @@ static void sort_target(smr_coarse *c)
         block->lo[a][i % SMR_TREE_WIDTH] = lo;
         block->hi[a][i % SMR_TREE_WIDTH] = hi;
     }
-}
-
-void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
-{
-    c->faced = a->side[SMR_TARGET].bare || a->side[SMR_MODEL].bare ? 0.0f : 1.0f;
-    c->limit = SMR_COARSE_LIMIT * smr_aligner_spread(a);
-    for (uint32_t side = 0; side < SMR_SIDES; side++) {
-        float all = 1.0e-6f;
-        for (uint32_t k = 0; k < SMR_COARSE; k++) {
-            const uint32_t i = smr_sample(&a->side[side], k, SMR_COARSE);
-            float v[6];
-            smr_store(v, a->side[side].point[i]);
-            smr_store(v + 3, a->side[side].normal[i]);
-            for (uint32_t j = 0; j < 6u; j++)
-                c->x[side][j][k] = v[j];
-            c->weight[side][k] = a->side[side].weight[i];
-            all += c->weight[side][k];
-        }
-        for (uint32_t k = 0; k < SMR_COARSE; k++)
-            c->weight[side][k] /= all;
-    }
-    sort_target(c);
 }
 
 /* Returns the position of sample i of a side, mm; the pose rotates and scales, but does not shift, the model's. */
