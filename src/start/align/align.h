@@ -210,16 +210,16 @@ uint32_t smr_align_round(uint32_t how, smr_refined *r);
 
 /* The samples of both surfaces for the coarse search. */
 typedef struct smr_coarse {
-    float x[SMR_SIDES][6][SMR_COARSE];   /* x, y, z of positions, mm, then of unit normals; target: in curve order */
+    float x[SMR_SIDES][6][SMR_COARSE];   /* x, y, z of positions, mm, then of unit normals; target: along an axis */
     float weight[SMR_SIDES][SMR_COARSE]; /* weight of each sample; a side's sum is 1 */
     uint32_t place[SMR_COARSE];          /* place in x[SMR_TARGET] of each sample of the target */
-    smr_node block[SMR_COARSE_BLOCKS / SMR_TREE_WIDTH]; /* boxes around the target's samples in curve order */
+    smr_node block[SMR_COARSE_BLOCKS / SMR_TREE_WIDTH]; /* boxes around the target's samples along the axis */
     float faced; /* 1: normals are compared; 0: a side is a cloud without normals */
     float limit; /* distance beyond which samples do not match, mm */
 } smr_coarse;
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
-void smr_coarse_sort(smr_coarse *c); /* sorts the target's samples along a curve, and sets their boxes */
+void smr_coarse_sort(smr_coarse *c); /* sorts the target's samples along an axis, and sets their boxes */
 
 #define SMR_CUBE 24u /* number of rotations of a cube */
 #define SMR_TURNS 8u /* number of further rotations; each is combined with all rotations of the cube */

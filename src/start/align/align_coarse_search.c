@@ -3,10 +3,11 @@
  * and for each axis of the target the lower or the upper ends onto each other, without the part beyond the shorter
  * surface. Parts of a surface have other axes and centroids than the whole, but often share an end. In the cost of a
  * pose each sample takes its best partner. The squared distance of a pair has full weight across the target's surface
- * and less along it, since samples are not opposite each other; differing normals add to it. The target's samples lie
- * along a curve, so that a sample of the model skips pieces of the curve that are too far away to match.
+ * and less along it, since samples are not opposite each other; differing normals add to it. The target's samples are
+ * sorted along an axis, so that a sample of the model skips slices that are too far away to match.
  * Bounds: 192 * 7 poses of SMR_COARSE squared pairs.
  * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
 #include "geometry/box_tree/hilbert_curve.h"
 #include "start/align/align.h"
 #include "geometry/rotation/rotation.h"
@@ -43,11 +44,16 @@ void smr_coarse_sort(smr_coarse *c)
 {
     float(*const x)[SMR_COARSE] = c->x[SMR_TARGET];
     uint32_t key[SMR_COARSE], item[SMR_COARSE], tmp[2u * SMR_COARSE];
-    smr_box box = {smr_v(FLT_MAX, FLT_MAX, FLT_MAX), smr_v(-FLT_MAX, -FLT_MAX, -FLT_MAX)};
-    for (uint32_t k = 0; k < SMR_COARSE; k++)
-        smr_box_grow(&box, smr_v(x[0][k], x[1][k], x[2][k]));
+    float lo[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, hi[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    for (uint32_t i = 0; i < 3u * SMR_COARSE; i++) {
+        lo[i % 3u] = smr_min(lo[i % 3u], x[i % 3u][i / 3u]);
+        hi[i % 3u] = smr_max(hi[i % 3u], x[i % 3u][i / 3u]);
+    }
+    uint32_t axis = hi[1] - lo[1] > hi[0] - lo[0] ? 1u : 0u;
+    if (hi[2] - lo[2] > hi[axis] - lo[axis])
+        axis = 2u;
     for (uint32_t k = 0; k < SMR_COARSE; k++) {
-        key[k] = smr_curve_key(box, smr_v(x[0][k], x[1][k], x[2][k]));
+        key[k] = smr_float_bits(x[axis][k] - lo[axis]); /* bits of floats >= 0 sort as floats */
         item[k] = k;
     }
     smr_curve_sort(key, item, tmp, SMR_COARSE);
@@ -62,13 +68,13 @@ void smr_coarse_sort(smr_coarse *c)
     for (uint32_t i = 0; i < 3u * SMR_COARSE_BLOCKS; i++) {
         const uint32_t a = i / SMR_COARSE_BLOCKS, k = i % SMR_COARSE_BLOCKS * SMR_TREE_WIDTH;
         smr_node *const block = &c->block[i % SMR_COARSE_BLOCKS / SMR_TREE_WIDTH];
-        float lo = SMR_FAR, hi = SMR_FAR; /* a block without samples is an empty box */
+        float low = SMR_FAR, high = SMR_FAR; /* a block without samples is an empty box */
         for (uint32_t j = k; j < SMR_COARSE && j < k + SMR_TREE_WIDTH; j++) {
-            lo = j == k ? x[a][j] : smr_min(lo, x[a][j]);
-            hi = j == k ? x[a][j] : smr_max(hi, x[a][j]);
+            low = j == k ? x[a][j] : smr_min(low, x[a][j]);
+            high = j == k ? x[a][j] : smr_max(high, x[a][j]);
         }
-        block->lo[a][i % SMR_TREE_WIDTH] = lo;
-        block->hi[a][i % SMR_TREE_WIDTH] = hi;
+        block->lo[a][i % SMR_TREE_WIDTH] = low;
+        block->hi[a][i % SMR_TREE_WIDTH] = high;
     }
 }
 

@@ -106,13 +106,6 @@ static const smr_measure *measured(const smr_align_work *w) { return &w->group[0
 /* ---- the steps of the call; each returns 1 when it requests work, whose result the next step
  * takes, and -1 when no pose was found ---- */
 
-/* Takes the samples of the coarse search, a step of its own so that it is not too long. */
-static int take_samples(smr_align_work *w)
-{
-    smr_coarse_take(&w->coarse, &w->aligner);
-    return 0;
-}
-
 /* Sets numbers of samples, search range and matching distance, and searches at the model's size. */
 static int find_poses(smr_align_work *w)
 {
@@ -120,6 +113,7 @@ static int find_poses(smr_align_work *w)
     const float far = SMR_FAR_SHARE * smr_max(a->side[SMR_MODEL].spread, a->side[SMR_TARGET].spread) + 1.0e-6f;
     a->far2 = far * far;
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
+    smr_coarse_take(&w->coarse, a);
     smr_coarse_sort(&w->coarse);
     start_search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
     smr_list_insert(&w->found, &w->given, 0.0f);
@@ -305,9 +299,9 @@ static int finish(smr_align_work *w)
 }
 
 static int (*const steps[])(smr_align_work *w) = {
-    take_samples, find_poses,    try_smaller,   try_larger,   try_ratio,       refine_finalists, measure_best,
-    refine_whole, measure_whole, fit_part,      refine_part,  measure_result,  report_result,    measure_given,
-    report_given, find_other,    compare_other, try_mirrored, refine_mirrored, measure_mirrored, finish,
+    find_poses,    try_smaller,   try_larger,   try_ratio,       refine_finalists, measure_best,  refine_whole,
+    measure_whole, fit_part,      refine_part,  measure_result,  report_result,    measure_given, report_given,
+    find_other,    compare_other, try_mirrored, refine_mirrored, measure_mirrored, finish,
 };
 
 int smr_align_step(smr_align_work *w)
