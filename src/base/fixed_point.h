@@ -21,12 +21,15 @@ static inline float smr_fixed_scale(float bound)
     return smr_float_of((uint32_t)(power + 127) << 23);
 }
 
+/* Returns 0.5 with the sign of v, without a branch: compilers vectorise loops that call the function. */
+static inline float smr_half_like(float v) { return smr_float_of((smr_float_bits(v) & 0x80000000u) | 0x3f000000u); }
+
 /* Returns v rounded to the nearest integer, halves away from zero, as two's complement. Odd integers of
  * 2^23 .. 2^24 grow by 1 in size, to even integers; values beyond +-2^30 become that limit, and NaN becomes 2^30. */
 static inline uint32_t smr_fixed(float v)
 {
     const float limit = 1073741824.0f;
-    float r = v + (v < 0.0f ? -0.5f : 0.5f);
+    float r = v + smr_half_like(v);
     r = r < limit ? r : limit;
     r = r > -limit ? r : -limit;
     return (uint32_t)(int32_t)r;

@@ -54,10 +54,10 @@ static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float 
 {
     uint32_t near = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        /* p is beyond at most one side of a box along an axis, so at most one of the two terms is positive */
-        const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
-        const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
-        const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
+        /* the box' point next to p is p with each coordinate limited to the box */
+        const float x = p.x - smr_min(smr_max(p.x, node->lo[0][k]), node->hi[0][k]);
+        const float y = p.y - smr_min(smr_max(p.y, node->lo[1][k]), node->hi[1][k]);
+        const float z = p.z - smr_min(smr_max(p.z, node->lo[2][k]), node->hi[2][k]);
         const float sum = x * x + y * y + z * z;
         d2[k] = sum;
         near |= sum <= bound ? smr_child_bit[k] : 0u;

@@ -42,10 +42,7 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 /* Returns the squared distance, mm^2, from q's point to triangle i; writes the weights of the closest point. */
 static inline float measure(const smr_box_tree *f, const smr_query *q, uint32_t i, float weight[3])
 {
-    const uint32_t *t =
-        smr_triangle_at(f->triangle, i, f->n_vertices); /* a pointer: corners by value cost 15 % more instructions */
-    return smr_triangle_closest(q->point, smr_get3(f->xyz, t[0]), smr_get3(f->xyz, t[1]), smr_get3(f->xyz, t[2]),
-                                weight);
+    return smr_triangle_closest_of(&q->point, f->xyz, smr_triangle_at(f->triangle, i, f->n_vertices), weight);
 }
 
 /* Returns 1 unless the normal of triangle i disagrees or the mask leaves the triangle out. */
@@ -133,21 +130,24 @@ static uint32_t search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, co
 {
     uint32_t n = 0;
     for (; near != 0u; near &= near - 1u) {
-        const uint32_t k = (uint32_t)__builtin_ctz(near), before = hit->triangle;
-        const int wanted =
-            box_d2[k] <= hit->d2 * widen && first + k < f->n_triangles && accepted(f, mask, q, first + k);
-        smr_hit found = {0.0f, first + k, {0, 0, 0}};
-        if (!wanted && (known == NULL || found.triangle >= f->n_triangles))
+        const uint32_t k = (uint32_t)__builtin_ctz(near), i = first + k, before = hit->triangle;
+        const smr_hit *found = warm;
+        smr_hit own;
+        if (i >= f->n_triangles)
+            break;
+        const int wanted = box_d2[k] <= hit->d2 * widen && accepted(f, mask, q, i);
+        if (!wanted && known == NULL)
             continue;
         n++;
-        if (found.triangle == warm->triangle)
-            found = *warm;
-        else
-            found.d2 = measure(f, q, found.triangle, found.weight);
+        if (i != warm->triangle) {
+            own.triangle = i;
+            own.d2 = measure(f, q, i, own.weight);
+            found = &own;
+        }
         if (wanted)
-            take(f, &found, hit, widen, list);
+            take(f, found, hit, widen, list);
         if (known != NULL)
-            note_other(f, q, found.triangle, found.d2, box_d2[k], before, hit, known, b);
+            note_other(f, q, i, found->d2, box_d2[k], before, hit, known, b);
     }
     return n;
 }
@@ -309,6 +309,10 @@ int smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_n
         return 0;
     if (hit->triangle == SMR_NONE)
         list->n = 0; /* all triangles of the list lie just beyond the search distance */
+    if (list->n == 1u && list->item[0].triangle == hit->triangle) {
+        list->item[0].share = 1.0f;
+        return 1;
+    }
     const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
     float total = 0.0f;
     for (uint32_t i = 0; i < list->n; i++) {

@@ -15,10 +15,12 @@ static float set(float weight[3], float a, float b, float c, smr_vec to_p)
     return smr_dot(to_p, to_p);
 }
 
-/* Writes the weights of the point on the edges of the triangle a b c that is closest to p. Returns the squared distance
- * from p to that point, mm^2. ap = p - a; ab = b - a; ac = c - a. */
-static float closest_edge(smr_vec ap, smr_vec ab, smr_vec ac, float weight[3])
+/* Writes the weights of the point on the edges of the triangle that is closest to p. Returns the squared distance from
+ * p to that point, mm^2. */
+static float closest_edge(const smr_vec *p, const float *xyz, const uint32_t *corner, float weight[3])
 {
+    const smr_corner_values v = smr_corners_of(xyz, corner);
+    const smr_vec ap = smr_sub(*p, v.a), ab = smr_sub(v.b, v.a), ac = smr_sub(v.c, v.a);
     const smr_vec from[3] = {smr_v(0, 0, 0), smr_v(0, 0, 0), ab};
     const smr_vec along[3] = {ab, ac, smr_sub(ac, ab)};
     static const int start[3] = {0, 0, 1}, end[3] = {1, 2, 2};
@@ -39,8 +41,9 @@ static float closest_edge(smr_vec ap, smr_vec ab, smr_vec ac, float weight[3])
     return best;
 }
 
-float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3])
+float smr_triangle_closest_of(const smr_vec *point, const float *xyz, const uint32_t *corner, float weight[3])
 {
+    const smr_vec p = *point, a = smr_get3(xyz, corner[0]), b = smr_get3(xyz, corner[1]), c = smr_get3(xyz, corner[2]);
     smr_vec ab = smr_sub(b, a), ac = smr_sub(c, a), ap = smr_sub(p, a);
     float d1 = smr_dot(ab, ap), d2 = smr_dot(ac, ap);
     if (d1 <= 0.0f && d2 <= 0.0f)
@@ -70,7 +73,7 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
     }
     float sum = va + vb + vc;
     if (!(va > 0.0f && vb > 0.0f && vc > 0.0f && sum > 1.0e-30f))
-        return closest_edge(ap, ab, ac, weight);
+        return closest_edge(point, xyz, corner, weight);
     float v = vb / sum, w = vc / sum;
     const float inside = set(weight, 1.0f - v - w, v, w, smr_sub(ap, smr_add(smr_scale(ab, v), smr_scale(ac, w))));
     const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
@@ -78,10 +81,17 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
         return inside;
     /* in a sliver rounding dominates the weights: their point, on the triangle, may not be the closest: tries edges */
     float on_edge[3];
-    const float edge = closest_edge(ap, ab, ac, on_edge);
+    const float edge = closest_edge(point, xyz, corner, on_edge);
     if (edge < inside)
         memcpy(weight, on_edge, sizeof on_edge);
     return smr_min(edge, inside);
+}
+
+float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3])
+{
+    static const uint32_t corner[3] = {0, 1, 2};
+    const float xyz[9] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
+    return smr_triangle_closest_of(&p, xyz, corner, weight);
 }
 
 const uint32_t *smr_triangle_of(const uint32_t *triangle, uint32_t k, uint32_t n_vertices)

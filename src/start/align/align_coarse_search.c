@@ -4,19 +4,22 @@
  * surface. About a joint: 343 rotations of the given pose. Parts of a surface have other axes and centroids than the
  * whole, but often share an end. In the cost of a pose each sample takes its best partner. The squared distance of a
  * pair has full weight across the target's surface and less along it, since samples are not opposite each other;
- * differing normals add to it.
+ * differing normals add to it. The target's samples are sorted along an axis, so that a sample of the model skips
+ * slices that are too far away to match.
  * Bounds: 192 * 7 poses of SMR_COARSE squared pairs.
  * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
+#include "geometry/box_tree/hilbert_curve.h"
 #include "start/align/align.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_COARSE_LANES 8u    /* number of pairs that a vectorised loop computes together */
 #define SMR_COARSE_LIMIT 0.15f /* distance beyond which samples do not match / smaller spread; above their spacing */
 #define SMR_ALONG 0.3f         /* weight of the squared distance along the surface, where the distance across has 1 */
-#define SMR_EDGE 0.785398163f  /* rad: 45 degrees, the angle of a further rotation about an axis */
-#define SMR_DIAG 0.604599788f  /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
-#define SMR_TURN 0.523598776f  /* rad: 30 degrees between rotation vectors about a joint, along each axis */
-#define SMR_END_SLACK 0.01f    /* tolerance at the shorter surface's ends / its length, for rounding */
+#define SMR_NO_MATCH 3.4f /* squared distance / squared limit above which no pair matches: 1 / SMR_ALONG and rounding */
+#define SMR_EDGE 0.785398163f /* rad: 45 degrees, the angle of a further rotation about an axis */
+#define SMR_DIAG 0.604599788f /* rad: each component of the rotation vector of 60 degrees about (1, 1, 1) */
+#define SMR_TURN 0.523598776f /* rad: 30 degrees between rotation vectors about a joint, along each axis */
+#define SMR_END_SLACK 0.01f   /* tolerance at the shorter surface's ends / its length, for rounding */
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
 {
@@ -39,35 +42,84 @@ void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
     }
 }
 
+void smr_coarse_sort(smr_coarse *c)
+{
+    float(*const x)[SMR_COARSE] = c->x[SMR_TARGET];
+    uint32_t key[SMR_COARSE], item[SMR_COARSE], tmp[2u * SMR_COARSE];
+    float lo[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, hi[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    for (uint32_t i = 0; i < 3u * SMR_COARSE; i++) {
+        lo[i % 3u] = smr_min(lo[i % 3u], x[i % 3u][i / 3u]);
+        hi[i % 3u] = smr_max(hi[i % 3u], x[i % 3u][i / 3u]);
+    }
+    uint32_t axis = hi[1] - lo[1] > hi[0] - lo[0] ? 1u : 0u;
+    if (hi[2] - lo[2] > hi[axis] - lo[axis])
+        axis = 2u;
+    for (uint32_t k = 0; k < SMR_COARSE; k++) {
+        key[k] = smr_float_bits(x[axis][k] - lo[axis]); /* bits of floats >= 0 sort as floats */
+        item[k] = k;
+    }
+    smr_curve_sort(key, item, tmp, SMR_COARSE);
+    for (uint32_t a = 0; a < 6u; a++) {
+        float row[SMR_COARSE];
+        memcpy(row, x[a], sizeof row);
+        for (uint32_t k = 0; k < SMR_COARSE; k++)
+            x[a][k] = row[item[k]];
+    }
+    for (uint32_t k = 0; k < SMR_COARSE; k++)
+        c->place[item[k]] = k;
+    for (uint32_t i = 0; i < 3u * SMR_COARSE_BLOCKS; i++) {
+        const uint32_t a = i / SMR_COARSE_BLOCKS, k = i % SMR_COARSE_BLOCKS * SMR_TREE_WIDTH;
+        smr_node *const block = &c->block[i % SMR_COARSE_BLOCKS / SMR_TREE_WIDTH];
+        float low = SMR_FAR, high = SMR_FAR; /* a block without samples is an empty box */
+        for (uint32_t j = k; j < SMR_COARSE && j < k + SMR_TREE_WIDTH; j++) {
+            low = j == k ? x[a][j] : smr_min(low, x[a][j]);
+            high = j == k ? x[a][j] : smr_max(high, x[a][j]);
+        }
+        block->lo[a][i % SMR_TREE_WIDTH] = low;
+        block->hi[a][i % SMR_TREE_WIDTH] = high;
+    }
+}
+
 /* Returns the position of sample i of a side, mm; the pose rotates and scales, but does not shift, the model's. */
 static smr_vec coarse_point(const smr_coarse *c, uint32_t side, uint32_t i, const smr_pose *pose)
 {
-    const smr_vec p = smr_v(c->x[side][0][i], c->x[side][1][i], c->x[side][2][i]);
+    const uint32_t k = side == SMR_TARGET ? c->place[i] : i;
+    const smr_vec p = smr_v(c->x[side][0][k], c->x[side][1][k], c->x[side][2][k]);
     return side == SMR_MODEL ? smr_pose_turn(pose, p) : p;
 }
 
-/* Compares p, a sample of the model moved by the pose, with all of the target. best[]: smallest cost of each target
- * sample so far, mm^2. Returns the smallest cost of p, mm^2. Lanes let compilers vectorise the loop. */
-static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR_COARSE])
+/* Compares p, a sample of the model moved by the pose, with the target's samples from `base` on, as many as lanes.
+ * best[]: smallest cost of each target sample so far, mm^2; lane[]: of p. Lanes let compilers vectorise the loop. */
+static inline void pair_with_some(const smr_coarse *c, const float p[6], uint32_t base, float best[SMR_COARSE],
+                                  float lane[SMR_TREE_WIDTH])
 {
     const float(*t)[SMR_COARSE] = c->x[SMR_TARGET];
     const float bend = c->limit * c->limit, faced = c->faced, blind = 1.0f - faced;
-    float lane[SMR_COARSE_LANES], least = FLT_MAX;
-    for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        const uint32_t i = base + k;
+        const float x = p[0] - t[0][i], y = p[1] - t[1][i], z = p[2] - t[2][i];
+        const float across = x * t[3][i] + y * t[4][i] + z * t[5][i];
+        const float cosine = p[3] * t[3][i] + p[4] * t[4][i] + p[5] * t[5][i];
+        const float d2 = x * x + y * y + z * z;
+        const float cost = SMR_ALONG * d2 + (1.0f - SMR_ALONG) * across * across + bend * (faced - cosine) +
+                           blind * (1.0f - SMR_ALONG) * d2;
+        lane[k] = cost < lane[k] ? cost : lane[k];
+        best[i] = cost < best[i] ? cost : best[i];
+    }
+}
+
+/* Compares p with the target's samples near it. Returns the smallest cost of p, mm^2, or FLT_MAX: none is near. */
+static float pair_with_near(const smr_coarse *c, const float p[6], float best[SMR_COARSE])
+{
+    float lane[SMR_TREE_WIDTH], d2[SMR_TREE_WIDTH], least = FLT_MAX;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
         lane[k] = FLT_MAX;
-    for (uint32_t base = 0; base < SMR_COARSE; base += SMR_COARSE_LANES)
-        for (uint32_t k = 0; k < SMR_COARSE_LANES; k++) {
-            const uint32_t i = base + k;
-            const float x = p[0] - t[0][i], y = p[1] - t[1][i], z = p[2] - t[2][i];
-            const float across = x * t[3][i] + y * t[4][i] + z * t[5][i];
-            const float cosine = p[3] * t[3][i] + p[4] * t[4][i] + p[5] * t[5][i];
-            const float d2 = x * x + y * y + z * z;
-            const float cost = SMR_ALONG * d2 + (1.0f - SMR_ALONG) * across * across + bend * (faced - cosine) +
-                               blind * (1.0f - SMR_ALONG) * d2;
-            lane[k] = cost < lane[k] ? cost : lane[k];
-            best[i] = cost < best[i] ? cost : best[i];
-        }
-    for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
+    for (uint32_t h = 0; h < SMR_COARSE_BLOCKS / SMR_TREE_WIDTH; h++) {
+        uint32_t near = smr_box_distances(&c->block[h], smr_load(p), SMR_NO_MATCH * c->limit * c->limit, d2);
+        for (; near != 0u; near &= near - 1u)
+            pair_with_some(c, p, (h * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(near)) * SMR_TREE_WIDTH, best, lane);
+    }
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
         least = smr_min(least, lane[k]);
     return least;
 }
@@ -86,10 +138,10 @@ static void add_part(const smr_coarse *c, uint32_t part, smr_coarse_place *to)
         float p[6];
         smr_store(p, smr_pose_apply(&to->pose, smr_v(m[0][i], m[1][i], m[2][i])));
         smr_store(p + 3, smr_scale(smr_pose_turn(&to->pose, smr_v(m[3][i], m[4][i], m[5][i])), unit));
-        to->sum += c->weight[SMR_MODEL][i] * smr_min(pair_with_all(c, p, to->best), most);
+        to->sum += c->weight[SMR_MODEL][i] * smr_min(pair_with_near(c, p, to->best), most);
     }
     for (uint32_t i = 0; i < SMR_COARSE && part + 1u == SMR_COARSE_PARTS; i++)
-        sum += c->weight[SMR_TARGET][i] * to->best[i];
+        sum += c->weight[SMR_TARGET][i] * to->best[c->place[i]];
     to->cost = smr_cost_of_sides(to->sum / most, sum / most);
 }
 

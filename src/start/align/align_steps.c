@@ -128,6 +128,7 @@ static int find_poses(smr_align_work *w)
     a->far2 = far * far;
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
     smr_coarse_take(&w->coarse, a);
+    smr_coarse_sort(&w->coarse);
     if (a->side[SMR_TARGET].mask != NULL)
         start_turns(w);
     else
