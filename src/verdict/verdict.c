@@ -8,6 +8,7 @@
 #define SMR_HIDDEN_SHARE 0.05f  /* share of vertices outside an image above which their expected errors are judged */
 #define SMR_HIDDEN_MOST 3.4f    /* mm: larger mean expected errors of vertices outside an image are not good */
 #define SMR_NOT_GOOD_SHARE 0.5f /* the whole is not good if structures not good hold a larger share of vertices */
+#define SMR_APART 0.819f        /* cosine of 35 degrees: structures that have turned farther apart are not good */
 
 const char *smr_reason_text(uint32_t bit)
 {
@@ -93,12 +94,15 @@ static void conclude(const smr_judgement *j, uint32_t structure, const smr_evide
 }
 
 /* Computes the verdict on all structures together. The whole is not good when most vertices are in structures that are
- * not good, and has not failed when most vertices are in good structures. */
+ * not good, or when one has turned far against another since the start, where vertices slide along their surfaces; and
+ * has not failed when most vertices are in good structures. */
 static void judge_all(const smr_judgement *j, smr_verdict *verdict)
 {
     conclude(j, SMR_ALL, &j->all, verdict);
     if (j->s->shared.n_structures == 1u)
         return;
+    if (j->n > 0.0f && j->apart < SMR_APART && !j->s->schedule.tracking)
+        add_doubt(verdict, SMR_REASON_ROTATION);
     if (j->n_doubtful > SMR_NOT_GOOD_SHARE * j->n)
         add_doubt(verdict, SMR_REASON_STRUCTURES);
     else if (verdict->level == SMR_VERDICT_FAILED && j->n > 0.0f) {
@@ -153,6 +157,8 @@ static void structure_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
     if (n > 0u && j->asked == SMR_ALL && judges_structure(j)) {
         smr_verdict one;
         conclude(j, j->structure, &j->e, &one);
+        j->first = j->n > 0.0f ? j->first : j->start;
+        j->apart = j->n > 0.0f ? smr_min(j->apart, smr_cosine_between(&j->first, &j->start)) : 1.0f;
         j->n += (float)n;
         j->n_doubtful += one.level != SMR_VERDICT_GOOD ? (float)n : 0.0f;
     }

@@ -91,7 +91,7 @@ typedef struct smr_normal_field {
 enum { SMR_BY_NOTHING = 0, SMR_BY_SURFACE, SMR_BY_CLOUD, SMR_BY_IMAGE, SMR_BY_LANDMARKS, SMR_BY_CALLER };
 
 #define SMR_JUDGE_PIECE 192u /* vertices or triangles in a task that visits them */
-#define SMR_JUDGE_PLACES 24u /* tasks whose results wait to be added */
+#define SMR_JUDGE_PLACES 23u /* tasks whose results wait to be added */
 
 /* A verdict, or expected errors, in progress. */
 typedef struct smr_judgement {
@@ -105,6 +105,8 @@ typedef struct smr_judgement {
     float *mm[3];         /* the caller's arrays: expected errors, parts across, parts along; NULL: not wanted */
     smr_evidence e, all;  /* measures of the structure; sums over all structures so far */
     float n, n_doubtful;  /* number of vertices in judged structures, and in those that are not good */
+    smr_pose first;       /* pose `start` of the first judged structure */
+    float apart;          /* smallest cosine between the rotations of `first` and of the pose of another structure */
     smr_fit fit;          /* sums of the fit in progress */
     smr_box box;          /* box around the structure's rest or start positions visited so far, mm */
     smr_pose rest, start; /* similarity from rest, and from the start, to present positions */
@@ -199,6 +201,9 @@ typedef void smr_take_results(void *job, uint32_t first, uint32_t last);
 smr_count_tasks smr_rest_fit_tasks, smr_edges_tasks, smr_parts_tasks, smr_parts_abreast;
 smr_run_task smr_rest_fit_add, smr_edges_measure, smr_parts_add;
 smr_take_results smr_parts_take;
+
+/* Returns the cosine of the angle between the rotations of two poses, each of which may have a scale. */
+float smr_cosine_between(const smr_pose *a, const smr_pose *b);
 
 /* Measures the motion of a structure or of the whole model (SMR_ALL): scale, scale_rest and turned_deg, from j->start,
  * and for a whole model of several structures j->rest. e: measures of the structure, or of the last structure. */

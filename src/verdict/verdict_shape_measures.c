@@ -100,8 +100,7 @@ static void take_volume(smr_judgement *j)
     smr_mean_add(&j->e.volume, far ? SMR_RATIO_MOST : now / rest, smr_abs(rest));
 }
 
-/* Returns the cosine of the angle between the rotations of two poses, each of which may have a scale. */
-static float between(const smr_pose *a, const smr_pose *b)
+float smr_cosine_between(const smr_pose *a, const smr_pose *b)
 {
     float trace = 0.0f;
     for (uint32_t r = 0; r < 3u; r++)
@@ -195,7 +194,7 @@ void smr_parts_take(void *job, uint32_t first, uint32_t last)
         const smr_pose part = smr_fit_solve(fit, 1);
         const float ratio = smr_min(scale_of(&part) / smr_max(scale_of(&j->rest), 1.0e-6f), SMR_RATIO_MOST);
         smr_mean_add(&j->e.stretch2, (ratio - 1.0f) * (ratio - 1.0f), 1.0f);
-        j->e.rotation_deg = smr_max(j->e.rotation_deg, degrees_of(between(&part, &j->rest)));
+        j->e.rotation_deg = smr_max(j->e.rotation_deg, degrees_of(smr_cosine_between(&part, &j->rest)));
     }
 }
 
@@ -205,5 +204,5 @@ void smr_measure_moved(const smr_judgement *j, uint32_t structure, const smr_evi
     const int several = structure == SMR_ALL && j->s->shared.n_structures > 1u;
     verdict->scale_rest = several ? scale_of(&j->rest) : e->scale_rest;
     verdict->scale = scale_of(&j->start);
-    verdict->turned_deg = degrees_of(between(&j->start, &none));
+    verdict->turned_deg = degrees_of(smr_cosine_between(&j->start, &none));
 }

@@ -373,6 +373,11 @@ group_joints() {
         register $row --model case/model/*.ply --target case/target/*.ply --align parts
         measure $row case
         within $row vertex 1 surface 0.3 1-good 0
+        if full; then # not as parts: never good where it is wrong
+            register $row:whole --model case/model/*.ply --target case/target/*.ply
+            measure $row:whole case
+            bound "$row:whole: good beyond 3 mm" "$row:whole.vertex>3 && $row:whole.good" 0
+        fi
         rm -r case
     done; done
     full || return 0
