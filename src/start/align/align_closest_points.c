@@ -9,36 +9,6 @@
 #define SMR_UNTRIMMED 1.0e15f /* mm: outlier limit that no pair exceeds; its square still fits a float */
 #define SMR_STEADY 16u        /* smallest number of rounds before a refinement may end early, which rounding affects */
 #define SMR_STAGNANT 0.9995f  /* sum of squared distances / least sum so far above which a round is the last */
-#define SMR_POSE_ROUNDING 1.0e-3f  /* largest |R^T R - I| in an entry of the given pose's rotation R */
-#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of the given pose; the smallest is 1 / this */
-
-int smr_pose_legal(const smr_pose *p)
-{
-    const float scale = smr_pose_scale(p);
-    if (!(scale * SMR_POSE_SCALE_MAX >= 1.0f && scale <= SMR_POSE_SCALE_MAX) || smr_pose_mirrors(p))
-        return 0;
-    for (uint32_t i = 0; i < 3u; i++) {
-        if (!smr_within(p->m[i][3], SMR_POSE_SCALE_MAX * SMR_COORD_MAX))
-            return 0;
-        for (uint32_t k = 0; k <= i; k++)
-            if (!smr_within(smr_dot(smr_column(p, i), smr_column(p, k)) / (scale * scale) - (i == k ? 1.0f : 0.0f),
-                            SMR_POSE_ROUNDING))
-                return 0;
-    }
-    return 1;
-}
-
-/* Returns the inverse of *p. One call in this file only: compilers vectorise two, whose unused lanes trap on 0 / 0. */
-smr_pose smr_pose_invert(const smr_pose *p)
-{
-    const float inverse = 1.0f / smr_dot(smr_column(p, 0), smr_column(p, 0));
-    smr_pose q;
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++)
-            q.m[r][c] = p->m[c][r] * inverse;
-    smr_pose_through(&q, smr_column(p, 3), smr_v(0, 0, 0));
-    return q;
-}
 
 int smr_pairs_find(const smr_aligner *a, uint32_t side, const smr_pose *pose, smr_piece piece, smr_pause *pause)
 {

@@ -90,11 +90,16 @@ float smr_measure_limit(const smr_aligner *a, const smr_measure *m)
 
 float smr_measure_share(const smr_measure *m, uint32_t side) { return m->near[side] / m->all[side]; }
 
+/* Not inlined: of two quotients clang makes a vector, whose unused lanes trap on 0 / 0. */
+__attribute__((noinline)) static float capped_mean(const smr_measure *m, uint32_t side, float most)
+{
+    return m->sum[side] / (m->all[side] * most);
+}
+
 float smr_measure_cost(const smr_aligner *a, const smr_measure *m)
 {
     const float most = a->limit * a->limit;
-    return smr_cost_of_sides(m->sum[SMR_MODEL] / (m->all[SMR_MODEL] * most),
-                             m->sum[SMR_TARGET] / (m->all[SMR_TARGET] * most));
+    return smr_cost_of_sides(capped_mean(m, SMR_MODEL, most), capped_mean(m, SMR_TARGET, most));
 }
 
 float smr_measure_rms(const smr_measure *m) { return SMR_SQRT(m->square / m->within); }
