@@ -138,6 +138,7 @@ help:
 	@echo 'make coverage        lines and branches of src that the tests run, by folder; 5 minutes'
 	@echo 'make mutants         plants N=200 faults, drawn by SEED=1, and counts those that the tests find; an hour'
 	@echo 'make faults          flips N=100000 bits between ticks, drawn by SEED=1, and counts what follows; 10 minutes'
+	@echo 'make peers           other programs beside smr, elastix too, into docs/RESULTS.md; 6 minutes'
 	@echo 'make fuzz            fuzzes each target SECONDS=60 under sanitisers, from the kept corpora (clang)'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make settings-page   writes $(BUILD)/SETTINGS.md from the tables of settings'

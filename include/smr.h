@@ -242,9 +242,10 @@ typedef struct smr_tick_report {
 /* Runs one registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.
  * With budget_ns 0, or a port without a clock, a tick runs one whole iteration. With a budget a tick evaluates forces
  * in the order of priority until the rest of the iteration needs the remaining time; the iteration ignores vertices not
- * reached. If the budget still ends within the iteration, the tick stops between two chunks of work and returns
- * SMR_PARTIAL. The last complete positions then stay valid, and the next tick resumes the iteration. Every tick does at
- * least one chunk of work. Once the schedule has ended, a tick changes nothing. report may be NULL.
+ * reached (into an image none, but in tracking). If the budget still ends within the iteration, the tick stops between
+ * two chunks of work and returns SMR_PARTIAL. The last complete positions then stay valid, and the next tick resumes
+ * the iteration. Every tick does at least one chunk of work. Once the schedule has ended, a tick changes nothing.
+ * report may be NULL.
  * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are missing after
  * smr_restore(); called from within a tick; the caller's force broke its contract; the port left out a task or used an
  * illegal worker number; then the last complete positions stay, and ticks return E_STATE until smr_set_pose() or
@@ -558,10 +559,10 @@ typedef struct smr_align_part {
 } smr_align_part;
 
 /* Finds the pose that lays `model`, or a part, onto `target`, or a part, which may be a cloud
- * (smr_points_surface()). With config.part each structure then gets its own pose, for smr_set_positions(). memory:
- * SMR_ALIGN-aligned, smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL, E_STATE (not a
- * surface), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (no pose found, or config.given is not a rotation, a scale and a
- * translation). */
+ * (smr_points_surface()). With config.part each structure then gets its own rigid pose from rest, for
+ * smr_set_positions(): joints are where surfaces touch at rest, and *pose is the whole's. memory: SMR_ALIGN-aligned,
+ * smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL, E_STATE (not a surface), E_CONFIG,
+ * E_ALIGN, E_ARENA, E_INPUT (no pose, or config.given is not a rotation, a scale and a translation). */
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report);

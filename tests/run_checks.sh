@@ -114,7 +114,7 @@ if [ "${SMR_FULL:-0}" = 1 ]; then
     items="$items a53:target_flash"
     boards=tests/target/check_timing.sh without=none ticks=250
 fi
-for item in $items; do boards="$boards tests/target/check_boards.sh:$item:$(case $item in m55*) echo 200 ;; *) echo $ticks ;; esac)"; done
+for item in $items; do boards="$boards tests/target/check_boards.sh:$item:$(case $item in m55*) echo 100 ;; *) echo $ticks ;; esac)"; done
 # shellcheck disable=SC2010
 scripts="$boards $(ls tests/check_*.sh tests/host/*.sh tests/golden/check_*.sh | grep -v "$without")"
 tables=

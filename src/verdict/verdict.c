@@ -27,7 +27,8 @@ const char *smr_reason_text(uint32_t bit)
     case SMR_REASON_STRAIN:
         return "parts of the model have changed their size much: look whether the target is the same body";
     case SMR_REASON_VOLUME: return "the volume has changed much: look whether the target is the same body, and closed";
-    case SMR_REASON_ROTATION: return "parts of the model have turned far: look at the start's rotation";
+    case SMR_REASON_ROTATION:
+        return "parts of the model have turned far: look at the start's rotation; joints need --align parts";
     case SMR_REASON_BEND:
         return "the model had to bend far: look whether the target is the same body, and at the start";
     case SMR_REASON_SIMILARITY:
