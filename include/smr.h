@@ -240,12 +240,11 @@ typedef struct smr_tick_report {
 } smr_tick_report;
 
 /* Runs one registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.
- * With budget_ns 0, or a port without a clock, it is one whole iteration. With a budget a tick evaluates forces in the
- * order of the vertex priority until the rest of the iteration needs the remaining time; the iteration ignores the
- * other vertices (none into an image, but in tracking). If the budget still ends within the iteration, the tick stops
- * between two chunks of work and returns SMR_PARTIAL. The last complete positions then stay valid, and the next tick
- * resumes the iteration. Every tick does at least one chunk of work. Once the schedule has ended, a tick changes
- * nothing. report may be NULL.
+ * With budget_ns 0, or a port without a clock, it is one whole iteration. With a budget a tick evaluates forces by
+ * priority until the rest of the iteration needs the remaining time; the other vertices are ignored (none into an image,
+ * but in tracking). If the budget still ends within the iteration, the tick stops between two chunks of work and returns
+ * SMR_PARTIAL. The last complete positions then stay valid, and the next tick resumes the iteration. Every tick does at
+ * least one chunk of work. Once the schedule has ended, a tick changes nothing. report may be NULL.
  * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are missing after
  * smr_restore(); called from within a tick; the caller's force broke its contract; the port left out a task or used an
  * illegal worker number; then the last complete positions stay, and ticks return E_STATE until smr_set_pose() or
