@@ -241,8 +241,8 @@ typedef struct smr_tick_report {
 
 /* Runs one registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.
  * With budget_ns 0, or a port without a clock, it is one whole iteration. With a budget a tick evaluates forces by
- * priority until the rest of the iteration needs the remaining time; the other vertices are ignored (none into an image,
- * but in tracking). If the budget still ends within the iteration, the tick stops between two chunks of work and returns
+ * priority until the rest of the iteration needs the remaining time; other vertices are ignored (none into an image,
+ * but in tracking). If the budget ends within the iteration, the tick stops between two chunks of work and returns
  * SMR_PARTIAL. The last complete positions then stay valid, and the next tick resumes the iteration. Every tick does at
  * least one chunk of work. Once the schedule has ended, a tick changes nothing. report may be NULL.
  * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are missing after
@@ -346,7 +346,7 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_SCALE 64u          /* scale is far from 1 */
 #define SMR_REASON_STRAIN 128u        /* strain or stretch is high */
 #define SMR_REASON_VOLUME 256u        /* volume_ratio is far from 1 */
-#define SMR_REASON_ROTATION 512u      /* rotation_deg is high */
+#define SMR_REASON_ROTATION 512u      /* rotation_deg is high, or structures have turned far apart */
 #define SMR_REASON_BEND 1024u         /* bend_mm is high */
 #define SMR_REASON_SIMILARITY 2048u   /* image_similarity is low */
 #define SMR_REASON_GOALS 4096u        /* goals_share is low */

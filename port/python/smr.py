@@ -1287,7 +1287,7 @@ def _start(s: Registration, model: Model, targets: Mapping[Any, Any], align_by: 
             for i, p in enumerate(poses):
                 xyz = model.mesh(i)[0]
                 s.set_positions(i, xyz @ p[:, :3].T + p[:, 3])
-            return None, reports[0]
+            return None, next((r for r in reports if r.n_alike), reports[0])
         pose, report = align(model, onto, align_by == "similarity", given=start)
     if pose is not None:
         s.set_pose(pose)

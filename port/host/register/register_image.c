@@ -391,7 +391,7 @@ int host_job_place(host_job *job, host_error *error)
     if (kind != SMR_WARP_SPLINE)
         pose_goals(job, kind, from[0], to[0]);
     result = host_job_place_pairs(job, from[0], to[0], error);
-    if (kind != SMR_WARP_SPLINE)
+    if (kind > job->warp_kind)
         job->warp_kind = kind;
     return result;
 }

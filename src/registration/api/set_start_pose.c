@@ -32,7 +32,7 @@ static void start_here(smr *s, int by_pose)
     shape->in_parts = 0;
     smr_rest_pose_now(shape);
     memcpy(shape->start, shape->x, bytes);
-    if (!by_pose && smr_shape_find_parts(shape))
+    if (smr_shape_find_parts(shape))
         smr_rest_pose_now(shape);
     if (smr_blends(shape))
         smr_references_start(shape, by_pose);

@@ -73,13 +73,14 @@ static const smr_range ranges[] = {
 #include "base/settings_config.def"
 };
 
-/* Returns 1 when fields agree with each other and with a model of n_radii radii. Dynamics excludes tracking, contact,
- * volume preservation and smoothing. */
-static int fields_agree(const smr_config *c, uint32_t n_radii)
+/* Returns 1 when fields agree with each other and with the model's radii. Dynamics excludes tracking, contact, volume
+ * preservation and smoothing, and a last radius whose clusters do not hold all vertices. */
+static int fields_agree(const smr_config *c, const smr_model *m)
 {
+    const uint32_t n_radii = smr_le32(m->n_radii);
     const uint32_t first = c->schedule.radius_first, last = c->schedule.radius_last;
     const int alone = c->track.mode == SMR_TRACK_OFF && !(c->contact.volume > 0.0f) && !(c->contact.smooth > 0.0f) &&
-                      !(c->contact.share > 0.0f);
+                      !(c->contact.share > 0.0f) && last >= smr_le32(m->coarse_radii);
     int agree = first < n_radii && (last == SMR_FINEST || last < n_radii) && last >= first &&
                 (!c->dynamics.mode || alone) && smr_all_within(c->dynamics.gravity, 3, SMR_GRAVITY_MAX);
     for (uint32_t i = 0; c->forces.use_box && i < 3u; i++)
@@ -156,7 +157,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
 {
     const int legal = c->cookie == SMR_COOKIE('R', smr_config) &&
                       smr_ranges_legal(c, ranges, sizeof ranges / sizeof ranges[0]) && !smr_config_left_out(c) &&
-                      fields_agree(c, smr_le32(m->n_radii));
+                      fields_agree(c, m);
 #ifdef SMR_WITHOUT_REFERENCES
     if (smr_model_references(m) != NULL)
         return SMR_E_CONFIG;

@@ -164,6 +164,7 @@ int smr_align_begin_part(smr_align_work *w)
     set_sides(w, j);
     memset(&w->said, 0, sizeof w->said);
     w->at = w->other = 0;
+    w->parts = NULL;
     return 1;
 }
 
