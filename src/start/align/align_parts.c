@@ -192,7 +192,9 @@ static int add_changes(const smr_surface *s, uint32_t *changes)
 int smr_align_changes(const smr_align_work *w, uint32_t *changes)
 {
     int valid = add_changes(w->whole_of[SMR_MODEL], changes) && add_changes(w->whole_of[SMR_TARGET], changes);
-    for (const smr_align_part *part = w->part; part < w->part + w->n_parts && valid; part++)
+    for (uint32_t i = 0; i < w->n_parts && valid; i++) {
+        const smr_align_part *part = &w->part[i];
         valid = add_changes(part->model, changes) && (part->target == NULL || add_changes(part->target, changes));
+    }
     return valid;
 }
