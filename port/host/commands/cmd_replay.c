@@ -19,6 +19,7 @@ typedef struct replayed {
     host_job job;
     tick_counts counts;
     char **arguments; /* owned */
+    int earlier;      /* 1: the log may be of a version that started landmarks by a spline always */
 } replayed;
 
 /* Checks every record of the log and counts them. */
@@ -79,7 +80,8 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     if (smr_log_open(r->log.log, r->log.log_bytes, &reader, &info) == SMR_OK)
         r->options.config.partial.coverage =
             info.config.partial.coverage; /* older logs have no word for it in their command line */
-    r->options.truth = NULL;              /* a replay measures nothing */
+    r->options.spline_if_better &= !r->earlier;
+    r->options.truth = NULL; /* a replay measures nothing */
     r->options.log = NULL;
     if (r->options.landmarks.n == 0 && r->options.align != HOST_ALIGN_PARTS)
         r->options.align = HOST_ALIGN_NONE; /* the pose is in the log */
@@ -186,16 +188,30 @@ static int run(replayed *r, uint32_t threads, host_error *error)
     return repeat(r, error);
 }
 
-int host_replay(const host_options *options, host_error *error)
+/* earlier 1: landmarks start by a spline, as versions did that knew no other start by them. *again: try that. */
+static int replay(const host_options *options, int earlier, int *again, host_error *error)
 {
     replayed r = {0};
     r.path = options->operands.path[0];
+    r.earlier = earlier;
     int result = run(&r, options->threads, error);
-    if (result == HOST_REFUSED)
+    *again = result == HOST_REFUSED && !earlier && r.options.landmarks.n > 0 && r.options.spline_if_better;
+    if (result == HOST_REFUSED && !*again)
         host_error_keep(error); /* it may borrow one of the log's texts */
     host_job_free(&r.job);
     host_options_free(&r.options);
     host_log_free(&r.log);
     free(r.arguments);
     return result;
+}
+
+int host_replay(const host_options *options, host_error *error)
+{
+    const host_error none = *error;
+    int again = 0;
+    const int result = replay(options, 0, &again, error);
+    if (!again)
+        return result;
+    *error = none;
+    return replay(options, 1, &again, error);
 }
