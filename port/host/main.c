@@ -57,8 +57,10 @@ static int dispatch(int argc, char **argv, host_error *error)
 {
     for (int k = 1; k < argc; k++)
         if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) {
-            if (host_command_help(argv[1]) != 0)
+            if (argv[1][0] == '-')
                 host_help();
+            else if (host_command_help(argv[1]) != 0)
+                break; /* no such command, which is told below */
             return HOST_DONE;
         }
     if (argc == 2 && strcmp(argv[1], "--version") == 0) {

@@ -6,11 +6,7 @@
 # shellcheck disable=SC2086 # $run is words
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-if ! "$CC" -std=c11 -O1 -fPIC -shared "$top/tests/host/stop_tool.c" -ldl -o "$scratch/stop.so" 2>"$scratch/check.log" ||
-    ! LD_PRELOAD=$scratch/stop.so "$SMR" --version >/dev/null 2>&1; then
-    skip "calls that fail" "the preloaded library cannot be built or loaded"
-    finish
-fi
+need_stop "calls that fail"
 blob 4 30 20 60 0 >a.ply
 blob 4 30 20 60 0.05 >t.ply
 cp t.ply u.ply

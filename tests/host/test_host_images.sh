@@ -113,6 +113,8 @@ check "a summary of at most 8 lines" [ "$(wc -l <out.txt)" -le 8 ]
 check "vertex to vertex" [ -n "$(mean spline/report.json vertex_to_vertex_mm)" ]
 check "three landmarks" has_status 0 $SMR register --model bone.ply -o weak $image4 --landmarks three.csv three_to.csv
 check "a weaker fit is named" grep -q 'similarity fit instead' out.txt
+check "with its pose and what it leaves; a spline has none" sh -c "grep -q '\"start_pose\": \[' weak/report.json &&
+    grep -q '\"start_rms_mm\": [0-9]' weak/report.json && grep -q '\"start_rms_mm\": null' spline/report.json"
 check "one landmark" has_status 0 $SMR register --model bone.ply -o weak --target target.ply --landmarks one.csv one.csv
 check "is a translation" grep -q 'translation fit instead' out.txt
 check "--align rigid with landmarks" has_status 0 $SMR register --model bone.ply -o rigid $image4 --landmarks five.csv five_to.csv --align rigid

@@ -5,12 +5,7 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-# The shim does not go with sanitizers, whose own library must be loaded first.
-if ! "$CC" -std=c11 -O1 -fPIC -shared "$top/tests/host/stop_tool.c" -ldl -o "$scratch/stop.so" 2>"$scratch/check.log" ||
-    ! LD_PRELOAD=$scratch/stop.so "$SMR" --version >/dev/null 2>&1; then
-    skip "results cut off at every system call" "the preloaded library cannot be built or loaded"
-    finish
-fi
+need_stop "results cut off at every system call"
 blob 4 30 20 60 0 >a.ply
 blob 5 30 20 60 0.05 >b.ply
 blob 5 31 21 62 0.05 >t1.ply

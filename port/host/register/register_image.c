@@ -287,6 +287,7 @@ static int pose_by_pairs(host_job *job, const float *from, const float *to, host
     const smr_status code =
         smr_align_landmarks(from, to, job->n_landmarks, (uint32_t)similarity, &job->pose, &job->align_rms_mm);
     job->warp_kind = similarity ? SMR_WARP_SCALED : SMR_WARP_RIGID;
+    job->posed = code == SMR_OK;
     return code == SMR_OK ? 0 : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(code));
 }
 
@@ -299,6 +300,9 @@ static int warp_by_pairs(host_job *job, const float *from, const float *to, host
     if (code == SMR_OK)
         code = smr_warp_fit(from, to, job->n_landmarks, job->options->smoothing, job->warp_memory, bytes, &job->warp,
                             &job->warp_kind);
+    if (code == SMR_OK && !job->posed && (job->warp_kind == SMR_WARP_SCALED || job->warp_kind == SMR_WARP_RIGID))
+        job->posed = smr_align_landmarks(from, to, job->n_landmarks, job->warp_kind == SMR_WARP_SCALED, &job->pose,
+                                         &job->align_rms_mm) == SMR_OK;
     return code == SMR_OK ? 0 : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(code));
 }
 
@@ -363,12 +367,12 @@ static uint32_t carried_kind(const host_job *job, const float *from, const float
 }
 
 /* Gives the landmarks the goals of their best pose, so that the spline through them is that pose. */
-static void pose_goals(const host_job *job, uint32_t kind, const float *from, float *to)
+static void pose_goals(host_job *job, uint32_t kind, const float *from, float *to)
 {
-    smr_pose pose;
-    if (smr_align_landmarks(from, to, job->n_landmarks, kind == SMR_WARP_SCALED, &pose, NULL) == SMR_OK)
-        for (uint32_t i = 0; i < job->n_landmarks; i++)
-            move(&pose, from + 3u * i, to + 3u * i);
+    job->posed = smr_align_landmarks(from, to, job->n_landmarks, kind == SMR_WARP_SCALED, &job->pose,
+                                     &job->align_rms_mm) == SMR_OK;
+    for (uint32_t i = 0; job->posed && i < job->n_landmarks; i++)
+        move(&job->pose, from + 3u * i, to + 3u * i);
 }
 
 int host_job_place(host_job *job, host_error *error)

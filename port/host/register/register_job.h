@@ -172,9 +172,10 @@ typedef struct host_job {
     char *truth_paths;           /* the paths of the true surfaces; owned */
     host_label_map *truth_map;   /* a label map as the truth; owned; NULL when it is a directory */
     uint32_t n_targets;
-    host_result *result; /* [model.n_parts] */
-    smr_pose pose;       /* the start pose */
-    float align_rms_mm;
+    host_result *result;                    /* [model.n_parts] */
+    smr_pose pose;                          /* the start pose, of the whole with --align parts; where posed is 1 */
+    int posed;                              /* 0: no start was asked for, or landmarks give a spline or a translation */
+    float align_rms_mm;                     /* distance of surfaces or landmarks in the start pose */
     smr_align_report align_report;          /* of surfaces; n_alike 0 without */
     smr_align_part *part;                   /* [model.n_parts] with --align parts; surfaces are gone; owned; or NULL */
     smr_warp *warp;                         /* of the landmarks; lies in warp_memory; NULL without landmarks */

@@ -270,6 +270,7 @@ static smr_status align_surfaces(host_job *job, const aligned *a)
     if (status == SMR_OK && a->n_parts > 0 && keep_parts(job, a) != 0)
         status = SMR_E_ARENA;
     job->align_rms_mm = job->align_report.rms_mm;
+    job->posed = status == SMR_OK;
     free(scratch);
     return status;
 }

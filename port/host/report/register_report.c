@@ -311,12 +311,11 @@ static void put_start(const host_job *job, host_json *json)
     } else {
         host_json_null(json, "landmarks");
     }
-    if (job->options->align == HOST_ALIGN_NONE) {
+    host_json_number(json, "start_rms_mm", job->posed ? (double)job->align_rms_mm : (double)NAN);
+    if (job->posed)
+        host_json_list(json, "start_pose", job->pose.m[0], 12);
+    else
         host_json_null(json, "start_pose");
-        return;
-    }
-    host_json_number(json, "start_rms_mm", (double)job->align_rms_mm);
-    host_json_list(json, "start_pose", job->pose.m[0], 12);
 }
 
 static const char *similarity_name(uint32_t similarity)
