@@ -146,7 +146,7 @@ help:
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
 	@echo 'make api-update      records functions, layouts and values of the public headers as the expected ones'
-	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed'
+	@echo 'make check-itk       fields, surfaces and label maps read by ITK, where CMake and ITK are installed'
 	@echo 'make boards          golden bits, flash, RAM, stack and instructions on eight emulated boards; minutes'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
@@ -433,9 +433,9 @@ stack:
 hashes:
 	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
 
-# A displacement field read by ITK, in a C++ program by CMake.
+# What smr writes, read by ITK in a C++ program by CMake.
 .PHONY: check-itk
-check-itk: $(PROGRAM)
+check-itk: $(PROGRAM) $(HOST_TOOLS)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/itk/itk.sh || [ $$? -eq 77 ]
 
 settings-page: $(BUILD)/settings_page

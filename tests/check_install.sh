@@ -8,7 +8,8 @@ put() { ${MAKE:-make} -s BUILD="$build" CC="$cc" CFLAGS="${CFLAGS:-}" install "$
 (umask 077 && put DESTDIR="$tmp/a place" PREFIX=/usr) || exit 1
 closed=$(find "$tmp/a place" ! -perm -444)
 [ -z "$closed" ] || { echo "not for all to read: $closed"; exit 1; }
-for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr lib/smr/slicer/smr-register; do
+for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr lib/smr/slicer/smr-register \
+    lib/smr/slicer/SmrRegister.py lib/smr/slicer/SmrRegisterLib/smr_run.py; do
     [ -f "$tmp/a place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
 done
 for file in man/man1/smr.1 man/man1/smr-register.1 bash-completion/completions/smr zsh/site-functions/_smr; do

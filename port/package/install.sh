@@ -18,7 +18,10 @@ for part in "$@"; do
         install -d "$DESTDIR$PREFIX/bin"
         install -m 755 "$BUILD/smr" "$DESTDIR$PREFIX/bin"
         install -d "$DESTDIR$PREFIX/lib/smr/slicer"
-        install -m 755 port/host/slicer/smr-register.sh "$DESTDIR$PREFIX/lib/smr/slicer/smr-register" ;;
+        install -m 755 port/host/slicer/smr-register.sh "$DESTDIR$PREFIX/lib/smr/slicer/smr-register"
+        install -d "$DESTDIR$PREFIX/lib/smr/slicer/SmrRegisterLib"
+        install -m 644 port/slicer/SmrRegister.py "$DESTDIR$PREFIX/lib/smr/slicer"
+        install -m 644 port/slicer/SmrRegisterLib/smr_run.py "$DESTDIR$PREFIX/lib/smr/slicer/SmrRegisterLib" ;;
     shared)
         install -m 644 include/smr.h port/pthread/smr_pthread.h "$DESTDIR$PREFIX/include"
         install -m 755 "$BUILD/libsmr.so.$VERSION" "$lib"
