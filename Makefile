@@ -146,6 +146,7 @@ help:
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
 	@echo 'make api-update      records functions, layouts and values of the public headers as the expected ones'
+	@echo 'make kept-update     writes the model, log and save of this version that later versions read, tests/golden/kept'
 	@echo 'make check-itk       fields, surfaces and label maps read by ITK, where CMake and ITK are installed'
 	@echo 'make boards          golden bits, flash, RAM, stack and instructions on eight emulated boards; minutes'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
@@ -464,6 +465,11 @@ reference:
 .PHONY: api-update
 api-update:
 	@CC="$(CC)" sh tests/check_api.sh --update
+
+# Files of the version in smr.h, before its release.
+.PHONY: kept-update
+kept-update: $(PROGRAM)
+	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/golden/check_kept.sh --update
 
 golden-update: $(BUILD)/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt
