@@ -1,12 +1,10 @@
 /* golden_save.c: interrupts a golden registration.
  * SPDX-License-Identifier: MIT */
 #include "golden_save.h"
+#include "golden.h"
 #include <string.h>
 
-static uint32_t last_word(const unsigned char *end)
-{
-    return (uint32_t)end[-4] | (uint32_t)end[-3] << 8 | (uint32_t)end[-2] << 16 | (uint32_t)end[-1] << 24;
-}
+enum { HEAD_BYTES = 16, CHECKSUM_BYTES = 4 }; /* magic, format, size, version of the library; the checksum at the end */
 
 smr_status golden_interrupt(golden_saves *saves, const golden_inputs *inputs, smr **s)
 {
@@ -30,6 +28,6 @@ smr_status golden_interrupt(golden_saves *saves, const golden_inputs *inputs, sm
     if (status == SMR_OK && inputs->volume != NULL)
         status = smr_set_volume(*s, inputs->volume);
     saves->used += info.bytes;
-    saves->checksums ^= last_word(saved + info.bytes);
+    saves->checksums ^= golden_crc(saved + HEAD_BYTES, info.bytes - HEAD_BYTES - CHECKSUM_BYTES);
     return status;
 }

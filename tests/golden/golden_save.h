@@ -10,7 +10,7 @@ typedef struct golden_saves {
     unsigned char *memory;
     size_t bytes, used; /* of memory; of it so far */
     uint32_t given;     /* 1: memory holds another processor's saves: those made here must be equal, and go on */
-    uint32_t checksums; /* of the saves, together */
+    uint32_t checksums; /* of the saves without their heads, which hold the library's version, together */
 } golden_saves;
 
 /* What a registration has. */
