@@ -11,7 +11,11 @@ import subprocess
 
 from setuptools import setup
 from setuptools.command.build_py import build_py
-from wheel.bdist_wheel import bdist_wheel
+
+try:
+    from setuptools.command.bdist_wheel import bdist_wheel  # from setuptools 70.1 on
+except ImportError:
+    from wheel.bdist_wheel import bdist_wheel
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 TOP = os.path.dirname(os.path.dirname(HERE))
@@ -24,7 +28,7 @@ class BuildPackage(build_py):
     def run(self):
         library = os.environ.get("SMR_LIBRARY")
         if not library:
-            subprocess.check_call([os.environ.get("MAKE", "make"), "-s", "-C", TOP, "BUILD=build", "shared"])
+            subprocess.check_call([os.environ.get("MAKE", "make"), "-s", f"-j{os.cpu_count() or 1}", "-C", TOP, "BUILD=build", "shared"])
             library = os.path.join(TOP, "build", "libsmr.so")
         folder = os.path.join(self.build_lib, "smr")
         shutil.rmtree(folder, ignore_errors=True)
