@@ -20,6 +20,8 @@ work=$build/link # kept: a second run compiles what changed
 mkdir -p "$work" || exit 1
 all() { [ "${SMR_LINK:-${SMR_EXPERIMENTS:-}}" = all ]; }
 want=$(cat tests/golden/expected.txt)
+minor=$(awk '/define SMR_VERSION_(MAJOR|MINOR)/ { v = v s $3; s = "." } END { print v }' include/smr.h)
+case $minor in 0.*) series=$minor ;; *) series=${minor%.*} ;; esac # versions with one interface
 golden() { # name, command...
     tried=$1; shift
     got=$("$@" threads 2 2>&1)
@@ -81,8 +83,6 @@ if check 'make shared' make_in "$work" -O1 shared; then
     check 'functions were declared' [ -s "$tmp/declared" ]
     check 'the shared library has the functions of the headers and no other name' diff "$tmp/declared" "$tmp/exported"
     same 'it needs none of its own names' "$(nm -D --undefined-only "$shared" | awk '{ print $NF }' | grep '^smr_')" ''
-    series=$(awk '/define SMR_VERSION_(MAJOR|MINOR)/ { v = v s $3; s = "." } END { sub(/^[1-9][0-9]*[.].*/, "&", v); print v }' include/smr.h)
-    case $series in 0.*) ;; *) series=${series%%.*} ;; esac
     same 'its soname' "$(objdump -p "$shared" | sed -n 's/^ *SONAME *//p')" "libsmr.so.$series"
 fi
 
@@ -167,9 +167,10 @@ subdirectory() { # name, options...
 }
 in_haste() { configure "$tmp/fast" -DSMR_TREE="$top" -DCMAKE_C_FLAGS=-ffast-math && cmake --build "$tmp/fast" --target smr; }
 if have cmake; then
-    by_cmake find_package "$tmp/found" -DCMAKE_PREFIX_PATH="$root" -DASKED=0.2 -DPARTS='smr;pthread'
+    by_cmake find_package "$tmp/found" -DCMAKE_PREFIX_PATH="$root" -DASKED="$minor" -DPARTS='smr;pthread'
     by_cmake 'find_package shared' "$tmp/found_shared" -DCMAKE_PREFIX_PATH="$root" -Dsmr_SHARED=ON -DPARTS=smr
     refuse 'find_package of a later version' 'version' configure "$tmp/later" -DCMAKE_PREFIX_PATH="$root" -DASKED=9.0 -DPARTS=smr
+    refuse 'find_package of an earlier interface' 'version' configure "$tmp/earlier" -DCMAKE_PREFIX_PATH="$root" -DASKED=0.1 -DPARTS=smr
     check 'find_package of a core' configure "$tmp/of_core" -DCMAKE_PREFIX_PATH="$core" -DPARTS=smr
     check 'find_package of the core where there are no threads' configure "$tmp/alone" -DCMAKE_PREFIX_PATH="$root" \
         -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON -DPARTS=smr
