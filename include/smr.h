@@ -1,7 +1,7 @@
 /* smr.h: shape-matching registration of a prepared anatomical model onto a patient's data, in the caller's memory.
  *
  * Method: "Fast Musculoskeletal Registration Based on Shape Matching", "the paper" below.
- * A first program needs only sections 1 to 6. Each later section is one capability with its settings.
+ * A first program needs sections 1 to 6, and 10 for start poses. Each later section is one capability.
  * Lengths are in millimetres and times in nanoseconds where no other unit is given. Axes are the caller's.
  * The library allocates nothing, prints nothing and has no globals. The library never frees a pointer of the caller's.
  * Memory handed over must not overlap another argument or memory still in use; the library does not check overlaps.
