@@ -224,7 +224,7 @@ $(CORE_LIB) $(PTHREAD_LIB) $(HOST_LIB) $(SUPPORT_LIB):
 # ---------------------------------------------------------------- the shared library, and one source
 
 version := $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
-# Versions of one series have one interface: up to 1.0 each minor version begins one, later each major version.
+# Versions of one series have one interface: each major version begins one; before 1.0 each minor version did.
 series  := $(if $(filter 0.%,$(version)),$(basename $(version)),$(firstword $(subst ., ,$(version))))
 SHARED_LIB := $(BUILD)/libsmr.so.$(version)
 

@@ -22,8 +22,8 @@ extern "C" {
 #endif
 
 /* ------------------------------------------------------------------ 1. version, status, limits */
-#define SMR_VERSION_MAJOR 0
-#define SMR_VERSION_MINOR 2
+#define SMR_VERSION_MAJOR 1 /* functions, layouts of structs and values stay within it, see docs/safety/LIFECYCLE.md */
+#define SMR_VERSION_MINOR 0
 #define SMR_VERSION_PATCH 0
 
 typedef enum smr_status {

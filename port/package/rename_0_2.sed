@@ -1,4 +1,4 @@
-# rename_0_2.sed: rewrites a caller of smr 0.2 for 0.3: sed -E -i -f rename_0_2.sed FILE.c   GNU sed; twice does no harm.
+# rename_0_2.sed: rewrites a caller of smr 0.2 for 1.0: sed -E -i -f rename_0_2.sed FILE.c   GNU sed; twice does no harm.
 # Fields are found by their variables' names: ...config..., ...cfg..., ...settings...; ...report..., ...last... or r;
 # ...verdict..., ...measures... or v. The compiler names the rest. New struct names need nothing.
 # SPDX-License-Identifier: MIT

@@ -40,7 +40,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Named
 
 import numpy as np
 
-VERSION = (0, 2)  # of the library's interface that this file knows
+VERSION = (1, 0)  # of the library's interface that this file knows; cookies have the major version
 
 ALIGN = 64  # bytes: where memory starts
 ALL = 0xFFFFFFFF  # every structure
@@ -379,9 +379,9 @@ def _take_defaults() -> None:
         function = getattr(_lib, name)
         function.restype, function.argtypes = kind, []
         cookie = function().cookie
-        if cookie & 0xFFFF != C.sizeof(kind) & 0xFFFF or cookie >> 16 & 0xFF != VERSION[1]:
-            raise ImportError(f"smr.py is for version {VERSION[0]}.{VERSION[1]} of the library; {name}() is of "
-                              f"{VERSION[0]}.{cookie >> 16 & 0xFF} and {cookie & 0xFFFF} bytes")
+        if cookie & 0xFFFF != C.sizeof(kind) & 0xFFFF or cookie >> 16 & 0xFF != VERSION[0]:
+            raise ImportError(f"smr.py is for major version {VERSION[0]} of the library; {name}() is of "
+                              f"{cookie >> 16 & 0xFF} and {cookie & 0xFFFF} bytes")
 
 
 _take_defaults()

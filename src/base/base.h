@@ -112,8 +112,8 @@ static inline uint32_t smr_set_root(uint32_t *parent, uint32_t i)
     return i;
 }
 
-/* The cookie of a configuration: tag, minor version and struct size, by which other versions' structs are refused. */
+/* The cookie of a configuration: tag, major version and struct size, by which other versions' structs are refused. */
 #define SMR_COOKIE(tag, type)                                                                                          \
-    (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
+    (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MAJOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
 
 #endif

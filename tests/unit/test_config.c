@@ -25,7 +25,7 @@ TEST(test_default)
     assert_int_equal(SMR_METHOD_RIGID, c.basic.method);
     assert_int_equal(SMR_NORMALS_CARRIED, c.motion.normals);
     assert_int_equal(sizeof c & 0xffffu, c.cookie & 0xffffu); /* a caller compiled with another header is noticed */
-    assert_int_equal(SMR_VERSION_MINOR, c.cookie >> 16 & 0xffu);
+    assert_int_equal(SMR_VERSION_MAJOR, c.cookie >> 16 & 0xffu);
 }
 
 #define ACCEPT(field, value)                                                                                           \
