@@ -142,7 +142,7 @@ group_persons() {
 group_views() {
     need femurs hip_thigh_vhm ct_hips_surfaces || return
     set -- $seven
-    for seed in $(seq $(either all 200 20)); do
+    for seed in $(seq $(either all 200 14)); do
         bone=$(shift $((seed % 7)); echo $1)
         tool make view=$seed case $(file_of $bone) >/dev/null
         tool measure case case/model | sed 's/^/start_/' | keep view:$seed
@@ -158,7 +158,7 @@ group_views() {
     done
     over view
     for by in vertex surface; do within view wrong_${by}_sum 0 0.6*near_${by}_sum-good_${by}_sum 0; done
-    within view $(either all 10 7)-near_vertex_sum 0 $(either all 19 14)-near_surface_sum 0 # so many are near, or more
+    within view $(either all 10 5)-near_vertex_sum 0 $(either all 19 9)-near_surface_sum 0 # so many are near, or more
 }
 
 # Clouds of points of one side, many and few, at once and arriving, with and without normals.
