@@ -158,12 +158,8 @@ TEST(test_moving)
 }
 
 /* Kept for all tests. */
-static int set_up(void **state)
+BEFORE_ALL_TESTS()
 {
-    (void)state;
     unit_save_make(&whole, UNIT_SAVE_ALL);
     make_moving();
-    return 0;
 }
-
-int main(void) { return suite_run(set_up, suite_free); }

@@ -169,11 +169,4 @@ TEST(test_many_components)
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    rig_bone(9000, 1.0f, &source, &target);
-    return 0;
-}
-
-int main(void) { return suite_run(set_up, NULL); }
+BEFORE_ALL_TESTS() { rig_bone(9000, 1.0f, &source, &target); }

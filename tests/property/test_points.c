@@ -13,7 +13,7 @@ enum { RUNS = 60, STEPS = 60, PARTS = RIG_PAIR, CLOUDS = 2, CAPACITY = RIG_CLOUD
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const rig_pair pair = rig_pair_make();
     memcpy(part, pair.part, sizeof part);
@@ -106,7 +106,6 @@ static void replay(smr *twin)
 
 TEST(test_growth_replays)
 {
-    set_up();
     uint32_t seed = 5, partial = 0, early = 0, late = 0, full = 0;
     const uint32_t runs = rig_times(RUNS);
     for (uint32_t n = 0; n < runs; n++) {
@@ -136,7 +135,6 @@ TEST(test_growth_replays)
 /* A cloud that has changed is not taken for set because another one is. */
 TEST(test_each_is_set_again)
 {
-    set_up();
     begin_run(7);
     smr_config config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
@@ -157,7 +155,6 @@ TEST(test_each_is_set_again)
 /* A replay that gets another cloud says so. */
 TEST(test_another_cloud_is_told)
 {
-    set_up();
     smr_replay again;
     smr_replay_report report;
     smr_log_state log;
@@ -230,7 +227,6 @@ static float *radii_by(uint32_t seed, float noise)
 /* Against points without noise: vertices of a coarse ball lie outside the sphere that its facets are laid onto. */
 TEST(test_noise_averages)
 {
-    set_up();
     float apart = 0.0f;
     for (uint32_t seed = 9; seed < 12u; seed++) {
         const float *clean = radii_by(seed, 0.0f);
@@ -243,7 +239,6 @@ TEST(test_noise_averages)
 
 TEST(test_workers_change_no_bit)
 {
-    set_up();
     smr_points *cloud = rig_cloud(CAPACITY);
     uint32_t seed = 11;
     uint64_t hash = 0;
@@ -262,7 +257,6 @@ TEST(test_workers_change_no_bit)
 /* Within its noise a point pulls nothing. */
 TEST(test_noise_pulls_nothing)
 {
-    set_up();
     smr_points *cloud = rig_cloud(CAPACITY);
     smr_config c = smr_config_default();
     smr_tick_report report = {0};
@@ -310,7 +304,6 @@ static float off_ball(const float *xyz, const smr_mesh *ball)
 /* Some 20 points hold one side; the far side follows, and is not said to be seen. */
 TEST(test_one_side)
 {
-    set_up();
     static const float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, shift[3] = {3, 1, -2};
     smr_points *cloud = rig_cloud(CAPACITY);
     unsigned char *seen = rig_alloc(part[0].n_vertices);
@@ -336,7 +329,6 @@ TEST(test_one_side)
 /* A bone, for a ball could turn about itself. */
 TEST(test_moved_inputs)
 {
-    set_up();
     static const float far[3] = {120, -35, 64};
     enum { BONE = 2000 };
     smr_mesh bone, goal;
