@@ -1,5 +1,5 @@
 /* suite.h: what a test program is made of: tests that register themselves, and one end of each. A program defines
- * TEST(name) { ... } as often as it likes, and at most one of BEFORE_EACH_TEST() { ... } and BEFORE_ALL_TESTS() { ... }.
+ * TEST(name) { ... } as often as it likes, and BEFORE_EACH_TEST() { ... } or BEFORE_ALL_TESTS() { ... } at most once.
  * After each test, or after all, all memory of the rig is given back. suite_main.c has main().
  * SPDX-License-Identifier: MIT */
 #ifndef SUITE_H
