@@ -422,9 +422,11 @@ soak: $(PROGRAM)
 size: $(CORE_LIB)
 	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" CFLAGS="$(CFLAGS)" SIZE="$(SIZE)" sh tests/size/size.sh
 
+# STACK: a build by gcc with -fstack-usage.
+STACK ?= $(BUILD)/stack
 stack:
-	@$(MAKE) -s BUILD=$(BUILD)/stack CC=gcc CFLAGS=-fstack-usage $(BUILD)/stack/libsmr.a
-	@sh tests/check_stack.sh $(BUILD)/stack "$$(gcc -dumpmachine)"
+	@$(MAKE) -s BUILD=$(STACK) CC=gcc CFLAGS=-fstack-usage $(STACK)/libsmr.a
+	@sh tests/check_stack.sh $(STACK)/obj/src "$$(gcc -dumpmachine)"
 	@if command -v arm-none-eabi-gcc >/dev/null; then \
 	    $(MAKE) -s BUILD=$(M7_BOARD) CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
 	        CFLAGS="$(M7_CFLAGS) -O2" $(M7_BOARD)/libsmr.a && \

@@ -182,7 +182,6 @@ if have cmake; then
     done
     if ! full || all; then subdirectory "$(fusing "$cc")" -DCMAKE_C_FLAGS="$(fusing "$cc")"; fi # else with all that asks for fusing
     if full || all; then
-        subdirectory 'Debug' -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="$native"
         lto= # GCC inlines what the library does into a program that fuses, when both are optimised at link time
         known -flto && lto=-flto
         subdirectory "gnu17, contraction asked for $lto" -DCMAKE_C_STANDARD=17 -DCMAKE_C_EXTENSIONS=ON \
@@ -201,6 +200,7 @@ CMAKE
     fi
     if all; then
         subdirectory 'without a build type'
+        subdirectory 'Debug' -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="$native"
         for type in Release RelWithDebInfo; do
             subdirectory "$type $native" -DCMAKE_BUILD_TYPE=$type -DCMAKE_C_FLAGS="$native" -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=ON
         done

@@ -6,16 +6,20 @@
 # compiler and an emulator for Cortex-M7 the golden run without all six is run there, too.
 set -u
 . tests/checks.inc
+. tests/without/same.inc
+. tests/target/board.sh
 need_plain
 [ "${SMR_AGAIN:-0}" = 0 ] || { echo "skip: checked with the first compiler"; exit 77; }
 capabilities='image partial track contact dynamics references'
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 
-# make_without DIR WORDS TARGET...: a build in $build/without/DIR, with -O1, which compiles sooner.
+# make_without DIR WORDS TARGET...: a build in $build/without/DIR. What sees a capability compiles sooner with -O0.
 make_without() {
     place=$build/without/$1 left_out=$2
     shift 2
-    env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$place" WITHOUT="$left_out" CC="$cc" CFLAGS=-O1 "$@"
+    # shellcheck disable=SC2086
+    same_objects "$build" "$place" $left_out
+    env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$place" WITHOUT="$left_out" CC="$cc" CFLAGS=-O0 "$@"
 }
 
 # as_expected LINE WORDS: the golden line but for "-", some words among them are there, and what was left out is named.
@@ -31,21 +35,14 @@ mkdir -p "$build/without"
 $cc -std=c11 -Wall -Wextra -O1 -Iinclude tests/without/refusals.c "$build/libsmr.a" -o "$tmp/whole" &&
     "$tmp/whole" write "$tmp/saved" || { not_ok 'saves and logs of the whole library'; finish; }
 check 'the whole library refuses nothing' "$tmp/whole" check "$tmp/saved"
-# `make size` compiles the sources one by one without each capability; as one source they compile in half of the time.
 env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation || { not_ok 'the amalgamation'; finish; }
 all_six=$build/without/$(echo "$capabilities" | tr ' ' -)
 for words in $capabilities "$capabilities"; do
-    if [ "$words" = "$capabilities" ]; then
-        library=$all_six/libsmr.a golden=$all_six/golden
-        make_without "$(basename "$all_six")" "$words" "$library" "$golden" >"$tmp/make" 2>&1
-    else
-        library=$tmp/part.o golden=$tmp/golden_run
-        # shellcheck disable=SC2046
-        $cc -std=c11 -Wall -Wextra -O1 -ffp-contract=off -fno-math-errno "-DSMR_WITHOUT_$(echo "$words" | tr a-z A-Z)" \
-            -c "$build/amalgamation/smr.c" -o "$library" >"$tmp/make" 2>&1 &&
-            $cc $(ls "$build"/obj/tests/golden/golden*.o "$build"/obj/fixtures/fixture_[!w]*.o) "$build/obj/tests/golden/print.o" \
-                "$build/libsmr_pthread.a" "$library" -pthread -lm -o "$golden" >>"$tmp/make" 2>&1
-    fi || { not_ok "$words: does not build"; cat "$tmp/make"; continue; }
+    place=$(echo "$words" | tr ' ' -)
+    library=$build/without/$place/libsmr.a golden=$build/without/$place/golden
+    make_without "$place" "$words" "$library" "$golden" >"$tmp/make" 2>&1 || { not_ok "$words: does not build"; cat "$tmp/make"; continue; }
+    [ "$words" = "$capabilities" ] || check "$words: the amalgamation compiles" $cc -std=c11 -Wall -Wextra -Werror -fsyntax-only \
+        "-DSMR_WITHOUT_$(echo "$words" | tr a-z A-Z)" "$build/amalgamation/smr.c"
     "$golden" >"$tmp/golden"
     check "$words: the golden run ends with 2" [ $? -eq 2 ]
     check "$words: the golden run" as_expected "$tmp/golden" "$words"
@@ -54,11 +51,11 @@ for words in $capabilities "$capabilities"; do
     check "$words: refusals" "$tmp/part" check "$tmp/saved" $words
 done
 
-check 'the program builds' make_without "$(basename "$all_six")" "$capabilities" CFLAGS=-O0 "$all_six/smr"
+check 'the program builds' make_without "$(basename "$all_six")" "$capabilities" "$all_six/smr"
 "$all_six/smr" info x >"$tmp/said" 2>&1
 check 'the program ends with 2' [ $? -eq 2 ]
 check 'the program says what it was built without' grep -qx "smr: built without $capabilities" "$tmp/said"
-for o in -O0 -O2; do
+for o in -O0 -O1; do
     check "amalgamation without all six, $o" $cc -std=c11 -Wall -Wextra -Werror $o -ffp-contract=off -fno-math-errno \
         -DSMR_WITHOUT_IMAGE -DSMR_WITHOUT_PARTIAL -DSMR_WITHOUT_TRACK -DSMR_WITHOUT_CONTACT -DSMR_WITHOUT_DYNAMICS \
         -DSMR_WITHOUT_REFERENCES \
@@ -86,6 +83,9 @@ if [ "${SMR_NO_BOARDS:-0}" = 1 ] || [ -z "${M7_CFLAGS:-}" ] || ! have arm-none-e
     skip 'Cortex-M7' 'needs arm-none-eabi-gcc and qemu-system-arm'
 else
     board=$build/without/m7
+    board_set m7
+    # shellcheck disable=SC2086
+    board_build golden >/dev/null && same_objects "$build/m7-board" "$board" $capabilities
     check 'Cortex-M7 without all six builds' env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$board" \
         CC=arm-none-eabi-gcc AR=arm-none-eabi-ar CFLAGS="$M7_CFLAGS -O2 -DSMR_BAREMETAL" WITHOUT="$capabilities" \
         "$board/golden_m7.elf"

@@ -35,10 +35,10 @@ group_thigh() {
     within patient status 0 to 0.2 from 0.2 worst_to 0.5 worst_from 0.5 by_vertex 1.6 folds 0 1-started_landmarks_spline 0
     within person status 0 to 1 from 1 worst_to 5 worst_from 5 folds 10
     full || return 0
-    for seed in $(seq $(either all 20 2)); do off patient $seed; done
+    for seed in $(seq $(either all 20 1)); do off patient $seed; done
     over off_patient
     within off_patient mean-patient.mean 0.1 patient.mean-mean 0.1 mean_most 0.5
-    for seed in $(seq $(either all 10 2)); do off person $seed; done
+    for seed in $(seq $(either all 10 1)); do off person $seed; done
     over off_person
     within off_person mean-person.mean 0.5 person.mean-mean 0.5 mean_most-person.mean 0.5 person.mean-mean_least 0.5
     for x in $(either all '0.2 0.4 0.6 0.8 0.95' '0.2 0.95'); do into_thigh patient stiffness_$x --stiffness $x; within stiffness_$x mean 0.5; done
@@ -71,11 +71,12 @@ group_noise() {
     }
     noise patient 10 0.17
     full || return 0
-    noise patient 5 0.13
     noise patient 20 0.3
+    noise person 20 0.84
+    all || return 0
+    noise patient 5 0.13
     noise person 5 0.74
     noise person 10 0.76
-    noise person 20 0.84
 }
 
 apart() { # row, row: mean distance between vertices of the same index
@@ -128,7 +129,7 @@ group_references() {
         others=$(echo $five | sed "s/\<$who\>//")
         first=$(echo $others | cut -d ' ' -f 1)
         smr build --model one_$first/femur.ply --also $(for k in $others; do [ $k = $first ] || echo one_$k; done) -o $who.smr
-        for shares in $(either short '0.6:1' '0.75:1 0:0.25 0.6:1 0:0.4'); do
+        for shares in $(either short '0.6:1' "$(either all '0.75:1 0:0.25 ' '')0.6:1 0:0.4"); do
             at=$who:$shares shares=$(echo $shares | tr : ' ')
             at=$(echo $at | tr -d .)
             sum=0 least=-1e9

@@ -63,7 +63,7 @@ group_budgets() {
     within image:20 other 0
 }
 
-# All: three seeds, seven bones and outliers of 5 %, too. In full two femurs and two hip bones: what keeps off 20 % keeps off 5 %.
+# All: three seeds, seven bones and outliers of 5 %, too. In full two femurs and a hip bone: what keeps off 20 % keeps off 5 %.
 group_parts() {
     need femurs hip_thigh_vhm ct_hips_surfaces || return
     if ! full; then
@@ -76,13 +76,13 @@ group_parts() {
         return
     fi
     five=$(either all 'whole5 side5' '')
-    for bone in $(either all "$seven" '2008 hip_thigh hip_bone hip_right'); do for seed in $(seq $(either all 3 1)); do
+    for bone in $(either all "$seven" '2008 hip_thigh hip_bone'); do for seed in $(seq $(either all 3 1)); do
         bone_and_seed $bone $seed "whole side patches end whole20 side20 $five"
     done; done
-    for line in whole side whole20 side20 $five; do count $line $(either all $([ $line = whole5 ] && echo 20 || echo 21) 4); done
-    count patches $(either all 20 4)
+    for line in whole side whole20 side20 $five; do count $line $(either all $([ $line = whole5 ] && echo 20 || echo 21) 3); done
+    count patches $(either all 20 3)
     count end $(either all 13 2)
-    bound 'ends called good beyond 3 mm' end.far_sum 2 # of hip bones
+    bound 'ends called good beyond 3 mm' end.far_sum $(either all 2 1) # of hip bones
     for line in whole side patches whole20 side20 $five; do
         bound "$line: called good beyond 3 mm" $line.far_sum 0
     done
@@ -96,7 +96,7 @@ group_parts() {
 }
 
 # Another person's femur, cut, and parts of femurs onto parts of another length; the right way up, by its own scale. In full each
-# two femurs meet once, in one direction, and all: in both.
+# femur is cut once and registered onto once, and all: by each other.
 group_persons() {
     need femurs hip_thigh_vhm || return
     pair() { # line, model, target, shares, align
@@ -121,9 +121,9 @@ group_persons() {
     ring="$femurs $femurs"
     for target in $femurs; do
         set -- ${ring#*"$target "}
-        for model in $1 $2 $(either all "$3 $4" ''); do cut top70 $model $target; cut lower50 $model $target; done
+        for model in $1 $(either all "$2 $3 $4" ''); do cut top70 $model $target; cut lower50 $model $target; done
     done
-    for line in top70 lower50; do count $line $(either all 20 10); bound "$line: the wrong way up" $line.wrong_sum 0; done
+    for line in top70 lower50; do count $line $(either all 20 5); bound "$line: the wrong way up" $line.wrong_sum 0; done
     within top70 surface 2.2
     within lower50 surface 3.5
     set -- $femurs m_right
@@ -142,7 +142,7 @@ group_persons() {
 group_views() {
     need femurs hip_thigh_vhm ct_hips_surfaces || return
     set -- $seven
-    for seed in $(seq $(either all 200 20)); do
+    for seed in $(seq $(either all 200 14)); do
         bone=$(shift $((seed % 7)); echo $1)
         tool make view=$seed case $(file_of $bone) >/dev/null
         tool measure case case/model | sed 's/^/start_/' | keep view:$seed
@@ -158,7 +158,7 @@ group_views() {
     done
     over view
     for by in vertex surface; do within view wrong_${by}_sum 0 0.6*near_${by}_sum-good_${by}_sum 0; done
-    within view $(either all 10 7)-near_vertex_sum 0 $(either all 19 14)-near_surface_sum 0 # so many are near, or more
+    within view $(either all 10 5)-near_vertex_sum 0 $(either all 19 9)-near_surface_sum 0 # so many are near, or more
 }
 
 # Clouds of points of one side, many and few, at once and arriving, with and without normals.

@@ -60,6 +60,7 @@ every() {
         last=$(cat count)
         step=1
         full || step=$(($([ "$of" = memory ] && echo 8 || echo 1) * every_step / 8 + 1))
+        [ "${SMR_AGAIN:-0}" = 0 ] || step=$((3 * step))
         while [ $n -le "$last" ]; do
             run "$shim SMR_STOP_AT=$n SMR_STOP_BY=$by" "$@"
             found=$(what_is_wrong $?)

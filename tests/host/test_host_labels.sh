@@ -228,7 +228,7 @@ check "share what both have" awk '/ a / { a = $5 } / b / { b = $5 } / voxels in 
     END { exit !((a - b)^2 < (0.03 * a)^2 && n > 8000 && a > 30000) }' out.txt
 
 # A label map as the truth: the report has the overlap, and distances like those to the surfaces it was made from.
-"$SMR" phantom -o thigh --small --quiet
+thigh thigh
 check "the truth as a label map" has_status 0 "$SMR" labels thigh/truth --like thigh/mri_patient.mha -o truth.seg.nrrd
 into="--model thigh/model/femur.ply thigh/model/vastus_lateralis.ply --reference thigh/mri_reference.mha --target thigh/mri_patient.mha --landmarks thigh/landmarks_reference.mrk.json thigh/landmarks_patient.mrk.json --quiet --iterations 4"
 # shellcheck disable=SC2086

@@ -41,7 +41,7 @@ recorded "several structures" --model several/a.ply several/b.ply --target other
 gzip -c bone.ply >packed.ply.gz
 recorded "a packed file" --model packed.ply.gz --target target.ply
 
-"$SMR" phantom -o thigh --small --quiet
+thigh thigh
 set -- --reference thigh/mri_reference.mha --target thigh/mri_patient.mha --truth thigh/truth --iterations 8 --iterations-last 12
 landmarks="--landmarks thigh/landmarks_reference.mrk.json thigh/landmarks_patient.mrk.json"
 # shellcheck disable=SC2086

@@ -38,7 +38,7 @@ short="--iterations 4 --iterations-last 8"
 }
 case ${SMR_EXPERIMENTS:-} in
 full | all)
-    "$SMR" phantom -o thigh --small --quiet
+    thigh thigh
     in_three "an image" --model thigh/model/femur.ply thigh/model/patella.ply --reference thigh/mri_reference.mha \
         --target thigh/mri_patient.mha --landmarks thigh/landmarks_reference.mrk.json thigh/landmarks_patient.mrk.json \
         --iterations 3 --iterations-last 5

@@ -6,6 +6,8 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 need_stop "results cut off at every system call"
+step=1 # another compiler stops at each third call
+[ "${SMR_AGAIN:-0}" = 0 ] || step=3
 blob 4 30 20 60 0 >a.ply
 blob 5 30 20 60 0.05 >b.ply
 blob 5 31 21 62 0.05 >t1.ply
@@ -61,7 +63,7 @@ every() {
         [ -n "$start" ] || [ "$wanted" = 137 ] || [ "$by" = broken ] || [ -e out/report.json ] || [ ! -e out ] ||
             found="$found a directory without report.json is left"
         [ -z "$found" ] || wrong="$wrong call $n: $found;"
-        n=$((n + 1))
+        n=$((n + step))
     done
     if [ -z "$wrong" ]; then ok "$every_name ($last calls)"; else not_ok "$every_name: $wrong"; fi
 }
@@ -102,14 +104,14 @@ for old in 3.save ""; do
             rm -rf out && mkdir out
             [ -z "$old" ] || cp $old out/run.save
             LD_PRELOAD=$scratch/stop.so SMR_STOP_AT=$n SMR_STOP_BY=$by save 5 2>err.txt
-            if [ $? -eq 137 ]; then last=$((n + 1)); fi
+            if [ $? -eq 137 ]; then last=$((n + step)); fi
             if cmp -s out/run.save 5.save; then n_new=$((n_new + 1))
             elif [ -n "$old" ]; then cmp -s out/run.save $old || wrong="$wrong $n"
             elif [ -e out/run.save ]; then wrong="$wrong $n"; fi
             [ "${SMR_FULL:-0}" = 0 ] || [ ! -e out/run.save ] || resumes out/run.save || wrong="$wrong $n"
-            n=$((n + 1))
+            n=$((n + step))
         done
-        [ $last -gt 20 ] && [ $n_new -gt 1 ] || wrong="$wrong: $last calls, $n_new new ones"
+        [ $last -gt 20 ] && [ $n_new -ge 1 ] || wrong="$wrong: $last calls, $n_new new ones"
         if [ -z "$wrong" ]; then ok "a save over '$old', $by: old or new after each of $last calls"; else
             not_ok "a save over '$old', $by: neither old nor new after call$wrong"
         fi

@@ -115,7 +115,7 @@ check "beside the last one" sh -c 'tail -n 2 out.txt | head -n 1 | grep -q "^ver
 check "with the reasons" said "verdict of the worst frame, gone: failed: nothing of the target was seen: look at the start"
 
 # Images: the reference itself, moved a little farther in each frame.
-"$SMR" phantom --small -o thigh --quiet
+thigh thigh
 image() { # name, mm aside, mm along
     LC_ALL=C awk -v aside="$2" -v along="$3" '$1 == "Offset" && !seen { seen = 1; $3 += aside; $5 -= along } { print } /^ElementDataFile/ { exit }' thigh/mri_reference.mha >"$1"
     at=$(LC_ALL=C grep -a -b -o 'ElementDataFile = LOCAL' thigh/mri_reference.mha | head -n 1 | cut -d: -f1)

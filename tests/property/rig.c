@@ -397,11 +397,8 @@ void rig_rotation(float x, float y, float z, float degrees, float m[9])
 
 uint32_t rig_times(uint32_t n)
 {
-#if RIG_SLOW
-    return n < 20u ? 1u : n / 10u;
-#else
-    return n;
-#endif
+    const char *again = getenv("SMR_AGAIN");
+    return !RIG_SLOW && (again == NULL || again[0] != '1') ? n : n < 20u ? 1u : n / 10u;
 }
 
 uint64_t rig_jitter_read(void *jitter)

@@ -77,7 +77,8 @@ float rig_between(uint32_t *seed, float lo, float hi);
 /* Three of them, drawn one after the other: compilers evaluate arguments in an order of their own. */
 void rig_within(uint32_t *seed, float lo, float hi, float p[3]);
 
-/* How often a test repeats what takes long: n times, a tenth of it (at least once) in an instrumented build. */
+/* How often a test repeats what takes long: n times, a tenth of it (at least once) in an instrumented build, and with
+ * SMR_AGAIN=1. */
 uint32_t rig_times(uint32_t n);
 
 /* A proper rotation matrix, row-major, of `degrees` about an axis. */

@@ -70,7 +70,7 @@ TEST(test_sums_of_active_members)
 {
     static const uint32_t in_use[] = {6, 10, 12, 16};
     uint32_t seed = 3;
-    for (uint32_t round = 0; round < 150u; round++) {
+    for (uint32_t round = 0; round < rig_times(150); round++) {
         smr_prepare_config c;
         const smr_model *model = random_model(&seed, &c);
         smr_config config = smr_config_default();
@@ -337,7 +337,7 @@ static uint64_t run(const smr_model *model, const smr_config *c, const smr_port 
 TEST(test_any_share_same_bits)
 {
     uint32_t seed = 17;
-    for (uint32_t round = 0; round < 40u; round++) {
+    for (uint32_t round = 0; round < rig_times(40); round++) {
         smr_prepare_config prepare;
         const smr_model *model = random_model(&seed, &prepare);
         const smr_mesh goal = rig_ball(rig_between(&seed, 10, 60), 9, 13, none);

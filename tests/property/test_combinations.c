@@ -25,7 +25,7 @@ static struct world {
     uint32_t stops; /* number of searches that stopped */
 } world;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const float beside[3] = {30, 34, 0};
     const smr_volume image = rig_parts_image(0.0f);
@@ -161,7 +161,6 @@ static int runs_alike(uint32_t what)
 
 TEST(test_combinations)
 {
-    set_up();
     smr_pthread *pool = NULL;
     const size_t pool_bytes = smr_pthread_bytes(3);
     uint32_t legal = 0;
@@ -219,7 +218,6 @@ static void ask_in_chaos(rig_chaos *chaos, const smr_port *port, smr *s, smr *tw
 
 TEST(test_ports_and_clocks_in_chaos)
 {
-    set_up();
     const char *const more = getenv("SMR_TEST_CHAOS");
     const uint32_t runs = COMBINATIONS * (more != NULL ? (uint32_t)atoi(more) : 2u);
     uint32_t broken = 0, seed = 5;

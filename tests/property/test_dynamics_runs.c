@@ -21,7 +21,7 @@ static struct scene {
     uint32_t which; /* input of the replay: motion[which] comes next */
 } e;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const float none[3] = {0, 0, 0}, flat[9] = {1, 0, 0, 0, 0.7f, 0, 0, 0, 1.6f};
     const smr_prepare_config radii = rig_radii(2, 40, 18, 0);
@@ -89,7 +89,6 @@ static smr *plain_run(const smr_port *port)
 
 TEST(test_threads)
 {
-    set_up();
     for (uint32_t method = 0; method < 2u; method++) {
         e.config.basic.method = method;
         const smr *first = plain_run(NULL);
@@ -118,7 +117,6 @@ static size_t find(const unsigned char *log, size_t bytes, uint32_t kind)
 /* Inputs come while iterations are under way, which ticks of a clock cut anywhere. */
 TEST(test_budget_and_replay)
 {
-    set_up();
     static unsigned char log[SMR_LOG_BYTES(4000, 10)];
     rig_jitter clock = {11, 1000000u};
     const smr_port port = {&clock, 3, NULL, rig_jitter_read};
@@ -157,7 +155,6 @@ TEST(test_budget_and_replay)
 
 TEST(test_saves)
 {
-    set_up();
     static unsigned char saved[ROOM];
     const smr *last = plain_run(NULL);
     for (uint32_t cut = 1; cut < CALLS; cut += 5u) {

@@ -11,7 +11,7 @@ static smr_mesh ball, other;
 static const smr_model *model;
 static smr_surface *surface;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const smr_prepare_config radii = rig_radii(2, 25, 12, 0);
     ball = rig_ball(30, 7, 10, none);
@@ -24,7 +24,6 @@ static void set_up(void)
 
 TEST(test_null)
 {
-    set_up();
     smr_config config = smr_config_default();
     const smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     size_t bytes;
@@ -58,7 +57,6 @@ TEST(test_null)
 
 TEST(test_not_a_registration)
 {
-    set_up();
     float xyz[3 * 128];
     unsigned char seen[128];
     smr_structure_report part;
@@ -136,7 +134,6 @@ static void refused(const smr_config *config, const char *field)
 
 TEST(test_every_field)
 {
-    set_up();
     REFUSE(cookie, 0, smr_config_default().cookie + 1u, smr_config_default().cookie ^ 0x10000u,
            smr_prepare_config_default().cookie);
     REFUSE(basic.n_workers, 0, SMR_WORKERS_MAX + 1u, UINT32_MAX);
@@ -158,7 +155,6 @@ TEST(test_every_field)
 
 TEST(test_every_field_of_the_schedule)
 {
-    set_up();
     REFUSE_FLOAT(motion.relaxation, 0.0f, 1.001f);
     REFUSE_FLOAT(motion.momentum, 1.0f);
     REFUSE_FLOAT(motion.plastic_um, -2.0f);
@@ -185,7 +181,6 @@ TEST(test_every_field_of_the_schedule)
 
 TEST(test_port)
 {
-    set_up();
     smr_config config = smr_config_default();
     unsigned char *memory = rig_alloc(1u << 18);
     smr_port port = {NULL, 2, NULL, NULL};
@@ -205,7 +200,6 @@ TEST(test_port)
 
 TEST(test_arena_edges)
 {
-    set_up();
     for (uint32_t method = 0; method < 2u; method++) {
         for (uint32_t workers = 1; workers <= 5u; workers += 2u) {
             for (uint32_t targets = 0; targets <= 100u; targets += 100u) {
@@ -236,7 +230,6 @@ TEST(test_arena_edges)
 
 TEST(test_target_larger_than_promised)
 {
-    set_up();
     smr_config config = smr_config_default();
     config.basic.n_target_vertices = other.n_vertices - 1u;
     smr *s = rig_init(model, &config, NULL);
@@ -255,7 +248,6 @@ TEST(test_target_larger_than_promised)
 /* The macro for static storage is never too small, and not wasteful. */
 TEST(test_arena_macro)
 {
-    set_up();
     static const uint32_t workers[] = {1, 2, 8, 64}, targets[] = {0, 1, 5000}, parts[] = {1, 7, 40};
     const smr_prepare_config radii = rig_radii(1, 5, 0, 0);
     smr_mesh mesh[40];
@@ -306,7 +298,6 @@ TEST(test_arena_macro)
 
 TEST(test_refused_positions_change_nothing)
 {
-    set_up();
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1.001e5f, -1.001e5f, 3.0e38f};
     smr_config config = smr_config_default();
     smr *s = rig_init(model, &config, NULL), *twin = rig_init(model, &config, NULL);
@@ -346,7 +337,6 @@ TEST(test_refuses_what_is_no_model)
     size_t bytes = 0;
     smr *s = NULL;
     uint32_t seed = 7;
-    set_up();
     for (uint32_t i = 0; i < 40u; i++) {
         uint32_t *word = rig_alloc(64);
         for (uint32_t k = 0; k < 16u; k++)

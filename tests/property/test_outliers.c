@@ -54,7 +54,7 @@ TEST(test_other_bodies)
     smr_verdict verdict;
     const smr *alone = onto_mesh(&target, &verdict);
     assert_true(verdict.other_share == 0.0f && verdict.level == SMR_VERDICT_GOOD);
-    for (uint32_t n = 1; n <= 5u; n += 2u) {
+    for (uint32_t n = 1; n <= rig_times(5); n += 2u) {
         const smr_mesh scene = with_copies(n, 70.0f);
         smr *s = onto_mesh(&scene, &verdict);
         assert_true(s->forces.surface.target[0].others == 1u);
@@ -141,7 +141,7 @@ TEST(test_stray_points)
     smr_verdict verdict;
     const smr *alone = onto_points(0.0, &verdict);
     assert_true(verdict.other_share < 0.01f);
-    for (uint32_t k = 0; k < 3u; k++) {
+    for (uint32_t k = 0; k < rig_times(3); k++) {
         smr *s = onto_points(strays[k], &verdict);
         assert_true(apart(s, alone) < (k < 2u ? 0.2f : 0.5f));
         assert_true(verdict.level == SMR_VERDICT_GOOD);
@@ -169,11 +169,4 @@ TEST(test_many_components)
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    rig_bone(9000, 1.0f, &source, &target);
-    return 0;
-}
-
-int main(void) { return suite_run(set_up, NULL); }
+BEFORE_ALL_TESTS() { rig_bone(9000, 1.0f, &source, &target); }

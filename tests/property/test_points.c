@@ -13,7 +13,7 @@ enum { RUNS = 60, STEPS = 60, PARTS = RIG_PAIR, CLOUDS = 2, CAPACITY = RIG_CLOUD
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const rig_pair pair = rig_pair_make();
     memcpy(part, pair.part, sizeof part);
@@ -106,9 +106,9 @@ static void replay(smr *twin)
 
 TEST(test_growth_replays)
 {
-    set_up();
     uint32_t seed = 5, partial = 0, early = 0, late = 0, full = 0;
-    for (uint32_t n = 0; n < RUNS; n++) {
+    const uint32_t runs = rig_times(RUNS);
+    for (uint32_t n = 0; n < runs; n++) {
         rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port recording = {&clock, 1u + n % 4u, NULL, rig_jitter_read};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
@@ -129,13 +129,12 @@ TEST(test_growth_replays)
         late += r.late;
         full += r.full;
     }
-    assert_true(partial > 5u * RUNS && early > RUNS / 2u && late > RUNS / 4u && full > RUNS / 4u);
+    assert_true(partial > 5u * runs && early > runs / 2u && late > runs / 4u && full > runs / 4u);
 }
 
 /* A cloud that has changed is not taken for set because another one is. */
 TEST(test_each_is_set_again)
 {
-    set_up();
     begin_run(7);
     smr_config config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
@@ -156,7 +155,6 @@ TEST(test_each_is_set_again)
 /* A replay that gets another cloud says so. */
 TEST(test_another_cloud_is_told)
 {
-    set_up();
     smr_replay again;
     smr_replay_report report;
     smr_log_state log;
@@ -229,7 +227,6 @@ static float *radii_by(uint32_t seed, float noise)
 /* Against points without noise: vertices of a coarse ball lie outside the sphere that its facets are laid onto. */
 TEST(test_noise_averages)
 {
-    set_up();
     float apart = 0.0f;
     for (uint32_t seed = 9; seed < 12u; seed++) {
         const float *clean = radii_by(seed, 0.0f);
@@ -242,7 +239,6 @@ TEST(test_noise_averages)
 
 TEST(test_workers_change_no_bit)
 {
-    set_up();
     smr_points *cloud = rig_cloud(CAPACITY);
     uint32_t seed = 11;
     uint64_t hash = 0;
@@ -261,7 +257,6 @@ TEST(test_workers_change_no_bit)
 /* Within its noise a point pulls nothing. */
 TEST(test_noise_pulls_nothing)
 {
-    set_up();
     smr_points *cloud = rig_cloud(CAPACITY);
     smr_config c = smr_config_default();
     smr_tick_report report = {0};
@@ -309,7 +304,6 @@ static float off_ball(const float *xyz, const smr_mesh *ball)
 /* Some 20 points hold one side; the far side follows, and is not said to be seen. */
 TEST(test_one_side)
 {
-    set_up();
     static const float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, shift[3] = {3, 1, -2};
     smr_points *cloud = rig_cloud(CAPACITY);
     unsigned char *seen = rig_alloc(part[0].n_vertices);
@@ -335,7 +329,6 @@ TEST(test_one_side)
 /* A bone, for a ball could turn about itself. */
 TEST(test_moved_inputs)
 {
-    set_up();
     static const float far[3] = {120, -35, 64};
     enum { BONE = 2000 };
     smr_mesh bone, goal;

@@ -11,7 +11,7 @@ enum { PARTS = RIG_PAIR, CAPACITY = RIG_CLOUD_ROOM };
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const rig_pair pair = rig_pair_make();
     memcpy(part, pair.part, sizeof part);
@@ -26,7 +26,6 @@ static void add(smr_points *cloud, const point *p) { assert_int_equal(SMR_OK, ri
 
 TEST(test_refused)
 {
-    set_up();
     static const float bad[] = {NAN, INFINITY, 1.1e5f, -2e5f};
     smr_points *cloud = rig_cloud(4), *out = cloud;
     smr_surface *surface = NULL;
@@ -65,7 +64,6 @@ TEST(test_refused)
 /* What a registration refuses, and what it does with a cloud that has changed. */
 TEST(test_set_points)
 {
-    set_up();
     smr_points *cloud = rig_cloud(4);
     smr_config c = smr_config_default();
     unsigned char *memory = rig_alloc(4096);
@@ -104,7 +102,6 @@ TEST(test_set_points)
 /* Any points, however they lie, keep every position finite. */
 TEST(test_hostile_points)
 {
-    set_up();
     uint32_t seed = 77;
     for (uint32_t n = 0; n < 40u; n++) {
         const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
@@ -136,7 +133,6 @@ TEST(test_hostile_points)
  * cloud has changed. */
 TEST(test_copy_in_pieces)
 {
-    set_up();
     smr_points *cloud = rig_cloud(CAPACITY);
     smr_surface *surface = NULL;
     smr_closest hit;
@@ -177,7 +173,6 @@ TEST(test_copy_in_pieces)
 /* The nearest of all points, and its normal. */
 TEST(test_nearest_point)
 {
-    set_up();
     smr_points *cloud = rig_cloud(CAPACITY);
     smr_surface *surface = NULL;
     point all[CAPACITY];

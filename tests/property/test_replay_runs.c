@@ -19,7 +19,7 @@ static struct world {
     smr_volume volume[2];
 } world;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     for (uint32_t i = 0; i < SURFACES; i++) {
         const smr_mesh goal = rig_parts_goal(i);
@@ -168,7 +168,6 @@ static void replay(run *r, smr *twin, uint32_t number)
 
 TEST(test_replays)
 {
-    set_up();
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
     const uint32_t runs = rig_times(RUNS);
@@ -236,7 +235,6 @@ static void surface_goes_late(run *r, const smr_config *config, uint32_t ticks, 
  * where the surface still counts. */
 TEST(test_last_surface_goes_late)
 {
-    set_up();
     static run r;
     smr_config config = smr_config_default_image();
     smr_tick_report report = {0};
@@ -249,7 +247,6 @@ TEST(test_last_surface_goes_late)
 /* In an iteration of the last radius: whether evening out ends it early is decided where the surface still counts. */
 TEST(test_last_surface_goes_before_the_end)
 {
-    set_up();
     static run r;
     smr_config config = smr_config_default();
     smr_tick_report report = {0};

@@ -29,9 +29,8 @@ static struct world {
     smr_volume volume[2][2];
 } world;
 
-static int set_up(void **state)
+BEFORE_ALL_TESTS()
 {
-    (void)state;
     for (uint32_t i = 0; i < 2u * SURFACES; i++) {
         const uint32_t which = i % SURFACES;
         smr_mesh goal = rig_parts_goal(which);
@@ -46,14 +45,6 @@ static int set_up(void **state)
     world.of = rig_parts_make(&world.volume[0][0]);
     for (uint32_t i = 0; i < PARTS; i++)
         assert_true(world.of.part[i].n_vertices <= VERTICES_MAX);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr_config random_config(uint32_t *seed)
@@ -404,5 +395,3 @@ TEST(test_saves)
     assert_true(met.surfaces > RUNS && met.shared > RUNS / 4u && met.images > RUNS / 8u && met.cuts > RUNS / 2u &&
                 met.repairs > RUNS / 4u && met.ended > RUNS && met.tracking > 3u);
 }
-
-int main(void) { return suite_run(set_up, tidy); }

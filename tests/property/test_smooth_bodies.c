@@ -177,24 +177,19 @@ TEST(parts_of_bodies)
         bend(truth, mesh.n_vertices);
         bend(xyz, whole.n_vertices);
         whole.xyz = xyz;
-        for (uint32_t k = 0; k < 3u; k++) {
+        for (uint32_t k = 0; k < rig_times(3); k++) {
             const smr_mesh part = seen_from(&whole, towards[k]);
             const float start = mean_off(mesh.xyz, truth, mesh.n_vertices),
                         off = registered(&mesh, &part, truth, &expected);
             if (!(off <= FARTHER * start))
-                print_error("%s, view %u: %g mm off, %g at the start\n", bodies[i].name, k, (double)off, (double)start);
-            assert_true(off <= FARTHER * start);
+                fail_msg("%s, view %u: %g mm off, %g at the start", bodies[i].name, k, (double)off, (double)start);
             sum += off;
             n += 1.0f;
         }
         rig_free_all();
     }
-    if (!(sum < BODIES_MM * n))
-        print_error("%g mm off in the mean\n", (double)(sum / n));
-    assert_true(sum < BODIES_MM * n);
-    if (!(expected > EXPECTED_LEAST * sum))
-        print_error("expected %g times what vertices are off\n", (double)(expected / sum));
-    assert_true(expected > EXPECTED_LEAST * sum);
+    if (!(sum < BODIES_MM * n && expected > EXPECTED_LEAST * sum) && rig_times(3) == 3u) /* means over all views */
+        fail_msg("%g mm off in the mean, expected %g", (double)(sum / n), (double)(expected / n));
 }
 
 enum { CAP, CYLINDER, SADDLE, SHEETS };
@@ -232,14 +227,13 @@ static smr_mesh sheet(uint32_t kind, float angle, uint32_t n, float larger)
 TEST(sheets_keep_to_borders)
 {
     static const float degrees[] = {20, 80, 100, 140};
-    for (uint32_t k = 0; k < SHEETS * 4u; k++) {
+    for (uint32_t k = 0; k < SHEETS * 4u; k += rig_times(20) < 20u ? 3u : 1u) {
         const float angle = degrees[k % 4u] * 0.01745329f;
         const smr_mesh mesh = sheet(k / 4u, angle, GRID, 1.0f), target = sheet(k / 4u, angle, GRID + 6, 1.03f);
         const smr_mesh truth = sheet(k / 4u, angle, GRID, 1.03f);
         const float off = registered(&mesh, &target, truth.xyz, NULL);
         if (!(off < SHEETS_MM))
-            print_error("sheet %u of %g degrees: %g mm off\n", k / 4u, (double)degrees[k % 4u], (double)off);
-        assert_true(off < SHEETS_MM);
+            fail_msg("sheet %u of %g degrees: %g mm off", k / 4u, (double)degrees[k % 4u], (double)off);
         rig_free_all();
     }
 }

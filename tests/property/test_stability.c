@@ -18,13 +18,14 @@ static void run_and_check(const smr_model *model, const smr_config *config, cons
     smr_model_info info;
     smr_structure_report part;
     smr_tick_report report = {0};
+    const uint32_t n_ticks = rig_times(200);
     assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
     smr *s = rig_init(model, config, NULL);
     if (target != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
     if (target != NULL && config->contact.n_fixed > 0u)
         assert_int_equal(SMR_OK, smr_set_fixed(s, 0, target));
-    for (uint32_t tick = 0; tick < 200u && !report.done; tick++) {
+    for (uint32_t tick = 0; tick < n_ticks && !report.done; tick++) {
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         const float shown[] = {report.residual_mean_mm, report.details.residual_rms_mm, report.details.residual_max_mm,
                                report.displacement_max_mm, report.progress};
@@ -234,7 +235,7 @@ static smr_mesh random_mesh(uint32_t *seed, int needs_triangle)
 
 TEST(test_random_configurations)
 {
-    for (uint32_t run = 0; run < 400u; run++) {
+    for (uint32_t run = 0; run < rig_times(400); run++) {
         uint32_t seed = 1000u + 77u * run;
         smr_mesh part[3];
         const uint32_t n_parts = 1u + rig_random(&seed, 3);

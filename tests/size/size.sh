@@ -8,6 +8,7 @@
 set -eu
 export LC_ALL=C
 unset MAKEFLAGS MFLAGS
+. tests/without/same.inc
 build=$BUILD/size
 whole=$BUILD/m7-board rest=$BUILD/without/m7 # what the boards' checks compile with -O2, too
 capabilities='image partial track contact dynamics references'
@@ -18,6 +19,7 @@ mkdir -p "$build"
 library() {
     dir=$1 flags="$M7_CFLAGS $2"
     shift 2
+    [ $# -eq 0 ] || same_objects "$whole" "$dir" "$@"
     ${MAKE:-make} -s -j"$jobs" BUILD="$dir" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar CFLAGS="$flags" WITHOUT="$*" "$dir/libsmr.a"
 }
 

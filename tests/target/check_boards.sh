@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: MIT
 # usage: check_boards.sh [BOARD [PROGRAM [TICKS]]]
 # golden: this machine's bits, and the core calls nothing foreign there either. target_budget: ticks with random budgets, TICKS of
-# them in ten cases. target_interrupt: a registration in a timer's interrupt; on the M7 two runs are the same. target_track: a
+# them in ten cases. target_interrupt: a registration in a timer's interrupt. target_track: a
 # target that moves, its surfaces and ticks within budgets. target_ticks: TICKS of 0.05 to 2 ms at 8 ns an instruction. target_jobs: the longest pieces of calls in pieces. target_flash, for any
 # board: a model in flash, the state that the M7 has, and a clock of whole milliseconds.
 set -u
@@ -33,8 +33,7 @@ run() { # board, program, ticks
         cd "$board_bone" && check "$board_name: $3 ticks" board_run 3 "$file" "$3"
         cd "$here" && cat "$tmp/check.log" ;;
     *)  check "$board_name: $2" board_run 0 "$file"
-        cat "$tmp/check.log"
-        [ "$1 $2" != 'm7 target_interrupt' ] || same "$board_name: another run" "$(board_run 0 "$file")" "$(cat "$tmp/check.log")" ;;
+        cat "$tmp/check.log" ;;
     esac
 }
 for board_asked in ${1:-m7 m55}; do

@@ -14,7 +14,7 @@
 static smr_mesh bone, target;
 static double alone; /* mm: mean error of the bone's vertices without points */
 
-static void set_up(void) { rig_bone(FIXTURE_CELL_SMALL, 1.0f, &bone, &target); }
+BEFORE_EACH_TEST() { rig_bone(FIXTURE_CELL_SMALL, 1.0f, &bone, &target); }
 
 /* Below each vertex of the bone, `layers` points. */
 static smr_mesh points_below(uint32_t layers)
@@ -100,7 +100,6 @@ static void run_alone(void)
 
 TEST(test_inner_nodes_keep_their_depth)
 {
-    set_up();
     run_alone();
     for (uint32_t layers = 1; layers <= 2u; layers++) {
         const smr_mesh points = points_below(layers), mesh = with_points(&bone, &points);
@@ -117,7 +116,6 @@ TEST(test_inner_nodes_keep_their_depth)
 /* At small radii structures keep to themselves, but not from points. */
 TEST(test_points_of_their_own)
 {
-    set_up();
     run_alone();
     const smr_mesh mesh[2] = {bone, points_below(1)};
     const smr_model *model;
@@ -135,7 +133,6 @@ TEST(test_points_of_their_own)
 /* A corner of triangles without area looks for a goal all the same. */
 TEST(test_degenerate_triangles_draw)
 {
-    set_up();
     const float beside[3] = {bone.xyz[0] + 2.0f, bone.xyz[1], bone.xyz[2]};
     const smr_mesh point = {beside, NULL, 1, 0};
     smr_mesh mesh = with_points(&bone, &point);
@@ -155,7 +152,6 @@ TEST(test_degenerate_triangles_draw)
 /* Neither by pulling nor by what counts as the mean area: not a bit changes. */
 TEST(test_target_points_attract_nothing)
 {
-    set_up();
     const smr_mesh points = points_below(2);
     smr_mesh goal = bone;
     const smr_model *model;

@@ -10,7 +10,7 @@
 static smr_mesh bone;
 static rig_motion e;
 
-static void set_up(void)
+BEFORE_EACH_TEST()
 {
     const smr_prepare_config radii = rig_radii(3, 600, 150, 60);
     rig_bone(12000, 1.0f, &bone, NULL);
@@ -22,7 +22,6 @@ static const float *at(uint32_t i) { return bone.xyz + 3u * (size_t)i; }
 
 TEST(test_off_costs_nothing)
 {
-    set_up();
     size_t off, on, saved_off, saved_on;
     smr_config config = e.config;
     config.dynamics.mode = SMR_DYNAMICS_OFF;
@@ -42,7 +41,6 @@ TEST(test_off_costs_nothing)
 
 TEST(test_refused)
 {
-    set_up();
     smr *s = rig_init(e.model, &e.config, NULL);
     smr_config config = e.config;
     smr_energy energy;
@@ -82,7 +80,6 @@ TEST(test_refused)
  * much energy. */
 TEST(test_rests_and_falls)
 {
-    set_up();
     smr *s = rig_init(e.model, &e.config, NULL);
     const smr_energy before = rig_energy(s);
     rig_steps(s, 10);
@@ -104,7 +101,6 @@ TEST(test_rests_and_falls)
 /* A damped fall and a damped throw are those of implicit Euler: v' = (v + h g) / (1 + h c), x' = x + h v'. */
 TEST(test_damped_fall)
 {
-    set_up();
     e.config.dynamics.gravity[1] = -9810.0f;
     for (uint32_t i = 0; i < 6u; i++) {
         static const float rates[] = {1.0f, 20.0f, 300.0f};
@@ -134,7 +130,6 @@ TEST(test_damped_fall)
 /* How far a model hangs below its springs does not depend on the damping: g / (k stiffness). */
 TEST(test_damping_leaves_the_sag)
 {
-    set_up();
     e.config.dynamics.gravity[1] = -9810.0f;
     e.config.caller.goals = 1;
     for (uint32_t i = 0; i < 3u; i++) {
@@ -169,7 +164,6 @@ static void momentum(const smr *s, double p[6])
 
 TEST(test_keeps_momentum)
 {
-    set_up();
     e.config.dynamics.damping = 0.0f;
     for (uint32_t k = 0; k < 4u; k++) {
         double before[6], after[6];
@@ -192,7 +186,6 @@ TEST(test_keeps_momentum)
 /* All that a cluster can have weigh eight clusters together, however many others are pinned elsewhere. */
 TEST(test_pins_weigh)
 {
-    set_up();
     e.config.track.radius_mm = 60.0f;
     for (uint32_t n_pins = 1; n_pins < e.n; n_pins *= 3u) {
         for (uint32_t i = 0; i < e.n; i++)
@@ -211,7 +204,6 @@ TEST(test_pins_weigh)
 /* Pinned vertices with a velocity carry the others along; springs to goals bring the bone onto them. */
 TEST(test_drawn)
 {
-    set_up();
     float *const goal = rig_alloc(3u * (size_t)e.n * sizeof *goal);
     for (uint32_t i = 0; i < e.n; i++)
         e.mass[i] = at(i)[2] < 60.0f ? INFINITY : 1.0f;

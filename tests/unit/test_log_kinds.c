@@ -12,19 +12,7 @@
 static unit_log u;
 static unsigned char forged[UNIT_LOG_BYTES];
 
-static int set_up(void **state)
-{
-    (void)state;
-    unit_log_make_kinds(&u, 0);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
+BEFORE_ALL_TESTS() { unit_log_make_kinds(&u, 0); }
 
 /* What reading the forged log comes to, and how many records of a kind it had up to there. */
 static smr_status read_all(uint32_t kind, uint32_t *n)
@@ -273,5 +261,3 @@ TEST(test_motion)
     test_every_bit(state);
     u = kept;
 }
-
-int main(void) { return suite_run(set_up, tidy); }

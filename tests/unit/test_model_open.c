@@ -113,7 +113,7 @@ TEST(every_byte_changed)
         uint32_t opened = 0;
         memcpy(copy, w.image.bytes, w.image.size);
         for (size_t i = 0; i < w.image.size; i++) {
-            for (size_t k = 0; k < sizeof flip; k++) {
+            for (size_t k = 0; k < rig_times(sizeof flip); k++) {
                 copy[i] ^= flip[k];
                 unit_repair(copy, w.image.size);
                 opened += try_image(&w, copy, w.image.size, "flipped", i);
@@ -132,7 +132,7 @@ TEST(random_damage)
     oracle_random r = oracle_seed(190);
     small_world w = make(0);
     unsigned char *copy = rig_rough(w.image.size);
-    for (uint32_t i = 0; i < 3000u; i++) {
+    for (uint32_t i = 0; i < rig_times(3000); i++) {
         memcpy(copy, w.image.bytes, w.image.size);
         for (uint32_t k = 1u + oracle_below(&r, 4u); k > 0u; k--)
             copy[oracle_below(&r, (uint32_t)w.image.size)] = (unsigned char)oracle_next(&r);

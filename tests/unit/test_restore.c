@@ -9,19 +9,10 @@
 
 static unit_save u;
 
-static int set_up(void **state)
+BEFORE_ALL_TESTS()
 {
-    (void)state;
     unit_save_make(&u, UNIT_SAVE_ALL);
     unit_log_make(&unit_recorded);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr *restored(void)
@@ -254,5 +245,3 @@ TEST(test_resumes_from_a_log)
     assert_int_equal(SMR_OK, smr_set_active(again, 0)); /* configuration and budget decide again */
     ends_alike(again, s);
 }
-
-int main(void) { return suite_run(set_up, tidy); }

@@ -6,19 +6,7 @@
 
 static unit_save u;
 
-static int set_up(void **state)
-{
-    (void)state;
-    unit_save_make(&u, UNIT_SAVE_ALL);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
+BEFORE_ALL_TESTS() { unit_save_make(&u, UNIT_SAVE_ALL); }
 
 static smr *restored(int all)
 {
@@ -217,5 +205,3 @@ TEST(test_arena)
     assert_null(out);
     assert_int_equal(SMR_OK, smr_restore(u.model, &config, NULL, u.saved, u.bytes, arena, bytes, &out));
 }
-
-int main(void) { return suite_run(set_up, tidy); }

@@ -97,8 +97,7 @@ TEST(test_finds_the_side)
         assert_true(length(found_way(&grid, &t)) < 1.0e-3f);
     }
     if (!(missed / 300.0 < 0.45))
-        print_error("%.3f of the way missed in the mean\n", missed / 300.0);
-    assert_true(missed / 300.0 < 0.45);
+        fail_msg("%.3f of the way missed in the mean", missed / 300.0);
 }
 
 /* Where the profile is, nothing moves; where the image does not change across the normal, neither. */

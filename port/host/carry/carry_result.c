@@ -119,7 +119,8 @@ static int parse(host_carry_shape *s, const unsigned char *at, size_t size, host
                : 0;
 }
 
-int host_carry_parse(const unsigned char *data, size_t size, host_carry_shape *shape, host_error *error)
+/* Takes the bytes of a carry.bin, which may come from anywhere. 0, or -1 with the error filled and the shape empty. */
+static int parse_shape(const unsigned char *data, size_t size, host_carry_shape *shape, host_error *error)
 {
     memset(shape, 0, sizeof *shape);
     int result = parse(shape, data, size, error);
@@ -135,7 +136,8 @@ static int accept_ours(const host_head *head, host_error *error)
     return 0;
 }
 
-int host_carry_read(const char *directory, host_carry_shape *shape, char **path, host_error *error)
+/* Reads DIRECTORY/carry.bin; likewise. The error borrows *path, which the caller frees at the end. */
+static int read_shape(const char *directory, host_carry_shape *shape, char **path, host_error *error)
 {
     host_bytes bytes;
     memset(shape, 0, sizeof *shape);
@@ -145,7 +147,7 @@ int host_carry_read(const char *directory, host_carry_shape *shape, char **path,
     error->file = *path;
     if (host_file_read(*path, accept_ours, &bytes, error) != 0)
         return -1;
-    int result = host_carry_parse(bytes.data, bytes.size, shape, error);
+    int result = parse_shape(bytes.data, bytes.size, shape, error);
     host_file_free(&bytes);
     return result;
 }
@@ -174,7 +176,7 @@ static int fit(host_carried *c, host_error *error)
 int host_carried_open(host_carried *c, const char *directory, uint32_t threads, host_error *error)
 {
     memset(c, 0, sizeof *c);
-    if (host_port_open(&c->port, threads, error) != 0 || host_carry_read(directory, &c->shape, &c->path, error) != 0)
+    if (host_port_open(&c->port, threads, error) != 0 || read_shape(directory, &c->shape, &c->path, error) != 0)
         return -1;
     return fit(c, error);
 }
@@ -182,7 +184,7 @@ int host_carried_open(host_carried *c, const char *directory, uint32_t threads, 
 int host_carried_take(host_carried *c, const unsigned char *data, size_t size, uint32_t threads, host_error *error)
 {
     memset(c, 0, sizeof *c);
-    if (host_port_open(&c->port, threads, error) != 0 || host_carry_parse(data, size, &c->shape, error) != 0)
+    if (host_port_open(&c->port, threads, error) != 0 || parse_shape(data, size, &c->shape, error) != 0)
         return -1;
     return fit(c, error);
 }

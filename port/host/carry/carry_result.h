@@ -29,13 +29,6 @@ int host_carry_allocate(host_carry_shape *shape);
 /* Writes the file's bytes into the buffer, which stores failure. */
 void host_carry_write(const host_carry_shape *shape, host_buffer *out);
 
-/* Reads DIRECTORY/carry.bin, which may come from anywhere. 0, or -1 with the error filled and the shape empty. The
- * error borrows *path, which the caller frees at the end. */
-int host_carry_read(const char *directory, host_carry_shape *shape, char **path, host_error *error);
-
-/* Takes the bytes of such a file; likewise. */
-int host_carry_parse(const unsigned char *data, size_t size, host_carry_shape *shape, host_error *error);
-
 void host_carry_free(host_carry_shape *shape);
 
 #define HOST_CARRY_MISS 0.01f /* mm: a place that is not found nearer than this was not found */

@@ -117,7 +117,7 @@ void host_cases_free(host_cases *cases)
     cases->n = 0;
 }
 
-const char *host_case_verdict(const host_case *c)
+static const char *case_verdict(const host_case *c)
 {
     if (c->state == HOST_CASE_READ)
         return host_verdict_name(c->head.verdict.level);
@@ -179,7 +179,7 @@ static void put_row(host_buffer *out, const host_case *c, int times)
     const host_report_head *const head = &c->head;
     const host_report_part *const worst = host_report_worst(head);
     put_text(out, c->path);
-    host_buffer_print(out, ",%s", host_case_verdict(c));
+    host_buffer_print(out, ",%s", case_verdict(c));
     if (c->state != HOST_CASE_READ) {
         host_buffer_print(out, ",,,,,,,,,%s", times ? "," : "");
     } else {
@@ -335,7 +335,7 @@ int host_summary_page(const host_cases *cases, const char *page, host_buffer *ou
     for (uint32_t i = 0; result == 0 && i < cases->n; i++) {
         const host_case *const c = &cases->one[i];
         host_json_open(&json, NULL, '{');
-        host_json_text(&json, "verdict", host_case_verdict(c));
+        host_json_text(&json, "verdict", case_verdict(c));
         put_clean(&json, "path", c->path);
         put_link(c, page, &json);
         list_reasons(c, &json);

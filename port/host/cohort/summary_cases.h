@@ -29,9 +29,6 @@ void host_cases_free(host_cases *cases);
 /* -1, 0 or 1: numbers within the texts count by their value; the bytes decide between what is alike otherwise. */
 int host_natural_order(const char *a, const char *b);
 
-/* "good", "look", "failed", "unreadable", "missing". */
-const char *host_case_verdict(const host_case *c);
-
 /* How soon it is to be looked at: 0 good to 4 missing. */
 int host_case_rank(const host_case *c);
 

@@ -282,7 +282,7 @@ void host_file_forget(size_t first)
     (void)pthread_mutex_unlock(&seen.lock);
 }
 
-host_input host_file_input(size_t i)
+static host_input file_input(size_t i)
 {
     (void)pthread_mutex_lock(&seen.lock);
     host_input input = seen.file[i].input;
@@ -305,7 +305,7 @@ int host_file_list(size_t first, size_t end, host_input **inputs)
         return -1;
     for (size_t i = 0; i < all; i++)
         if (i < first || i >= end)
-            list[n++] = host_file_input(i);
+            list[n++] = file_input(i);
     qsort(list, n, sizeof *list, by_path);
     for (size_t i = 0; i < n; i++)
         if (i == 0 || strcmp(list[i].path, list[kept - 1u].path) != 0)

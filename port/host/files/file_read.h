@@ -43,7 +43,6 @@ typedef struct host_input {
 
 /* The files that this run has read so far, in the order of opening. */
 size_t host_file_count(void);
-host_input host_file_input(size_t i);
 
 /* Forgets files from number first on, as if they had not been read. */
 void host_file_forget(size_t first);

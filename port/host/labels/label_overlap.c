@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include "files/file_names.h"
 
-int host_same_grid(const host_volume *a, const host_volume *b)
+static int same_grid(const host_volume *a, const host_volume *b)
 {
     double off = 0.0;
     for (uint32_t k = 0; k < 3u; k++) {
@@ -214,7 +214,7 @@ int host_label_sides_read(host_label_side side[2], const char *names, uint32_t p
     for (uint32_t i = 0; i < 2u; i++) {
         if (side[i].is_set && host_surface_set_paint(&side[i].set, port, grid, &side[i].map, NULL, error) != 0)
             return -1;
-        if (!side[i].is_set && !host_same_grid(&side[i].map.grid, grid) && repaint(&side[i], port, grid, error) != 0)
+        if (!side[i].is_set && !same_grid(&side[i].map.grid, grid) && repaint(&side[i], port, grid, error) != 0)
             return -1;
         if (list_meshes(&side[i], error) != 0)
             return -1;

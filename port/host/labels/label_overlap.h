@@ -26,9 +26,6 @@ typedef struct host_overlap {
 int host_overlaps_measure(const smr_port *port, const host_label_map *a, const smr_mesh *mesh_a,
                           const host_label_map *b, const smr_mesh *mesh_b, host_overlap *overlap, host_error *error);
 
-/* 1 when two volumes have the same voxels. */
-int host_same_grid(const host_volume *a, const host_volume *b);
-
 /* One of the two: as a map and as surfaces. */
 typedef struct host_label_side {
     const char *path;

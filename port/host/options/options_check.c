@@ -34,7 +34,7 @@ static int is_again(const host_files *words, uint32_t number)
     return 0;
 }
 
-int host_volume_ratios_check(const host_files *words, host_error *error)
+static int check_volume_ratios(const host_files *words, host_error *error)
 {
     size_t name = 0;
     double ratio = 0.0;
@@ -319,7 +319,7 @@ static int settle_targets(host_options *options, host_error *error)
 
 int host_options_check(host_options *options, host_error *error)
 {
-    if (host_volume_ratios_check(&options->volume_ratio, error) != 0)
+    if (check_volume_ratios(&options->volume_ratio, error) != 0)
         return -1;
     if (check_needs(options, error) != 0 || check_packed(options, error) != 0 || check_outputs(options, error) != 0)
         return -1;

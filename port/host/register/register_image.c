@@ -52,7 +52,7 @@ static int take_surfaces(host_job *job, host_label_surface *surface, host_error 
     return 0;
 }
 
-int host_job_load_truth_map(host_job *job, host_error *error)
+static int load_truth_map(host_job *job, host_error *error)
 {
     host_label_surface *to = NULL;
     uint32_t n = 0;
@@ -216,7 +216,7 @@ int host_job_load_truth(host_job *job, host_error *error)
     error->file = "--truth";
     if (job->options->truth == NULL)
         return 0;
-    result = host_is_volume_path(job->options->truth) ? host_job_load_truth_map(job, error) : load_truths(job, error);
+    result = host_is_volume_path(job->options->truth) ? load_truth_map(job, error) : load_truths(job, error);
     job->measure_s += host_seconds() - start;
     return result;
 }

@@ -242,8 +242,7 @@ int host_job_keep_start(host_job *job, host_error *error);
 /* Parts of these steps for an image target: read the volumes and the true surfaces, place the model by landmarks. */
 int host_job_load_images(host_job *job, host_error *error);
 int host_job_load_truth(host_job *job, host_error *error);
-int host_job_load_truth_map(host_job *job, host_error *error); /* its part when the truth is a label map */
-void host_job_measure_labels(host_job *job);                   /* the overlap with it, for host_job_evaluate */
+void host_job_measure_labels(host_job *job); /* the overlap with a label map, for host_job_evaluate */
 int host_job_place(host_job *job, host_error *error);
 /* host_job_place with given pairs, both [n_landmarks][3], mm. */
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
