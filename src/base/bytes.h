@@ -38,6 +38,14 @@ static inline uint32_t smr_float_bits(float v)
     return bits;
 }
 
+/* Returns the signed number that a wrapped 32-bit word represents. */
+static inline int32_t smr_signed(uint32_t word)
+{
+    int32_t value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
 /* Returns a 64-bit hash of z: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static inline uint64_t smr_mix(uint64_t z)
 {

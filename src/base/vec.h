@@ -35,6 +35,13 @@ static inline smr_vec smr_cross(smr_vec a, smr_vec b)
 
 static inline float smr_length(smr_vec a) { return SMR_SQRT(smr_dot(a, a)); }
 
+/* Returns the squared distance between the points a and b. */
+static inline float smr_distance2(smr_vec a, smr_vec b)
+{
+    const smr_vec d = smr_sub(a, b);
+    return smr_dot(d, d);
+}
+
 /* Returns a / |a|; 0 when |a| <= 1e-15. */
 static inline smr_vec smr_unit(smr_vec a)
 {
@@ -81,12 +88,18 @@ static inline smr_vec smr_high(smr_vec a, smr_vec b)
 /* Returns column c, 0 .. 3, of the pose's 3x4 matrix. */
 static inline smr_vec smr_column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
 
+/* Returns the vector a rotated and scaled by the pose, without the pose's translation. */
+static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
+{
+    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
+                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
+                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
+}
+
 /* Returns the point a, mm, moved by the pose. */
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)
 {
-    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z + p->m[0][3],
-                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z + p->m[1][3],
-                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z + p->m[2][3]);
+    return smr_add(smr_pose_turn(p, a), smr_column(p, 3));
 }
 
 #endif

@@ -108,9 +108,9 @@ static smr_carry_nearest starts(const job *j, smr_vec q)
     smr_carry_nearest f = {.p = q, .most = SMR_CARRY_STARTS};
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t v = t->first + i * t->stride;
-        const smr_vec d = smr_sub(smr_get3(j->now, smr_carry_item(j->c, v)), q);
-        if (f.n < f.most || smr_dot(d, d) < f.d2[f.n - 1u])
-            smr_carry_insert(&f, v, smr_dot(d, d));
+        const float d2 = smr_distance2(smr_get3(j->now, smr_carry_item(j->c, v)), q);
+        if (f.n < f.most || d2 < f.d2[f.n - 1u])
+            smr_carry_insert(&f, v, d2);
     }
     return f;
 }

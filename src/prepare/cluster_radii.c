@@ -78,10 +78,8 @@ static float rod_length(const smr_plan *p)
     for (uint32_t v = 0; v < p->n; v++)
         mean = smr_add(mean, smr_scale(smr_get3(p->xyz, v), share));
     float spread = 0.0f;
-    for (uint32_t v = 0; v < p->n; v++) {
-        const smr_vec d = smr_sub(smr_get3(p->xyz, v), mean);
-        spread += share * smr_dot(d, d);
-    }
+    for (uint32_t v = 0; v < p->n; v++)
+        spread += share * smr_distance2(smr_get3(p->xyz, v), mean);
     return SMR_SQRT(12.0f * spread);
 }
 

@@ -5,11 +5,10 @@
 #ifndef SMR_BOX_TREE_H
 #define SMR_BOX_TREE_H
 
-#include "base/vec.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 #define SMR_TREE_WIDTH 8u  /* children of a node, and triangles of a leaf */
 #define SMR_TREE_LEVELS 9u /* most levels of a tree, since 8^8 > SMR_TRIANGLES_MAX */
-#define SMR_FAR 1.0e15f    /* mm: coordinate that marks an empty box; the square still fits a float */
 
 /* A node: the boxes of its eight children, mm. Empty children have all coordinates SMR_FAR. */
 typedef struct smr_node {
@@ -48,6 +47,9 @@ static inline void smr_tree_refit_upper(const smr_box_tree *f)
 
 /* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+
+smr_box smr_node_box(const smr_node *node);     /* returns the box around all children of a node */
+smr_box smr_tree_box(const smr_box_tree *tree); /* returns the box around all triangles; smr_no_box() without any */
 
 /* Writes the squared distance d2[k], mm^2, from p to each child box. Returns the children with d2 <= bound as bits. */
 static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
@@ -193,9 +195,12 @@ void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
 /* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched;
  * known NULL: nothing is known of other triangles. Return 0 when known->pause ended the work: the same call
  * continues. */
-int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
 int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
                          smr_certainty *known);
+static inline int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
+{
+    return smr_tree_closest_but(f, NULL, q, hit, NULL);
+}
 
 /* Finds the closest acceptable triangle, and all triangles less than a tenth farther and nearer than list->cut2. Shares
  * fall to 0 at that limit, so that rounding does not decide between equally close triangles. Returns as above. */

@@ -290,11 +290,6 @@ static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
     return 1;
 }
 
-int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
-{
-    return search(f, NULL, q, hit, 1.0f, NULL, NULL);
-}
-
 int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
                          smr_certainty *known)
 {

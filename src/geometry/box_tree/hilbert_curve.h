@@ -5,10 +5,18 @@
 
 #include "base/vec.h"
 
+#define SMR_FAR 1.0e15f /* mm: coordinate that marks an empty box; the square still fits a float */
+
 /* An axis-aligned box, mm. */
 typedef struct smr_box {
     smr_vec lo, hi;
 } smr_box;
+
+/* Returns a box without points, whose low corner lies above the high one. */
+static inline smr_box smr_no_box(void)
+{
+    return (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+}
 
 /* Extends the box by the point p, mm. */
 static inline void smr_box_grow(smr_box *box, smr_vec p)

@@ -5,14 +5,6 @@
 
 #include "base/vec.h"
 
-/* Returns the vector a rotated and scaled by the pose, without the pose's translation. */
-static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
-{
-    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
-                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
-                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
-}
-
 /* Returns the vector a rotated by the inverse of the pose's rotation, and scaled by the pose. */
 static inline smr_vec smr_pose_turn_back(const smr_pose *p, smr_vec a)
 {

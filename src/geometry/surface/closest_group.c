@@ -91,12 +91,7 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
         bound = smr_max(bound, hit[i].d2);
         box = (smr_box){smr_low(box.lo, q[i].point), smr_high(box.hi, q[i].point)};
     }
-    if (forged) {
-        for (uint32_t i = 0; i < n; i++)
-            smr_tree_closest_but(f, mask, &q[i], &hit[i], NULL);
-        return;
-    }
-    const uint32_t n_nodes = list_nodes(f, box, bound, node);
+    const uint32_t n_nodes = forged ? SMR_GROUP_NODES + 1u : list_nodes(f, box, bound, node);
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t before = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
         if (before < f->n_triangles && before != q[i].warm)

@@ -121,11 +121,10 @@ typedef struct smr_side {
 } smr_side;
 
 /* Finds the signed distance of q->point to the acceptable triangles within `most` mm. normal: [vertices][3] unit vertex
- * normals. Returns 0, with *side unchanged, when there is no such triangle. */
-int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side);
-/* The same with limited work: also returns 0 when the search stopped, with pause->kept. */
-int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const smr_query *q, float most,
-                               smr_pause *pause, smr_side *side);
+ * normals; pause: limits the work, NULL: no limit. Returns 0, with *side unchanged, when there is no such triangle or
+ * the search stopped, with pause->kept. */
+int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_pause *pause,
+                        smr_side *side);
 
 /* ---- surface_line.c ---- */
 

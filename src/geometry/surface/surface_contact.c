@@ -50,7 +50,7 @@ static int find_side(const sweep *s, smr_vec p, float most, float deep, place *t
     to->at = p;
     to->side = SMR_FAR;
     if (!smr_box_reaches(&s->around, p, most) ||
-        !smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), &side))
+        !smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), NULL, &side))
         return 0;
     to->side = side.mm < 0.0f && !smr_surface_inside(s->b, p) ? -side.mm : side.mm;
     to->warm = side.triangle;
@@ -93,10 +93,8 @@ static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
     for (uint32_t i = 0; i < 3u; i++)
         corner[i] = smr_sub(smr_get3(s->a->xyz, t[i]), s->shift);
     const smr_vec middle = smr_scale(smr_add(corner[0], smr_add(corner[1], corner[2])), 1.0f / 3.0f);
-    for (uint32_t i = 0; i < 3u; i++) {
-        const smr_vec r = smr_sub(corner[i], middle);
-        round2 = smr_max(round2, smr_dot(r, r));
-    }
+    for (uint32_t i = 0; i < 3u; i++)
+        round2 = smr_max(round2, smr_distance2(corner[i], middle));
     const float size = SMR_SQRT(round2), round = size + s->within, moved = apart(middle, last->at);
     if (last->side < SMR_FAR && last->side - moved >= round)
         return;
@@ -111,26 +109,11 @@ static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
         smr_box_grow(&f->near, smr_add(corner[i], s->shift));
 }
 
-static const smr_box no_box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
-
-/* Returns the box around all triangles below a node, mm from the surface's origin. */
-static smr_box box_of_node(const smr_node *node)
-{
-    smr_box box = no_box;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH && node->lo[0][k] < SMR_FAR; k++) {
-        smr_box_grow(&box, smr_v(node->lo[0][k], node->lo[1][k], node->lo[2][k]));
-        smr_box_grow(&box, smr_v(node->hi[0][k], node->hi[1][k], node->hi[2][k]));
-    }
-    return box;
-}
-
-static smr_box box_of(const smr_surface *s) { return box_of_node(&s->tree.node[s->tree.level[s->tree.n_levels - 1u]]); }
-
 /* Finds the side of the middle of a leaf of a. Returns 0 when the middle is so far outside of b that no triangle of
  * the leaf can reach b. */
 static int leaf_is_near(const sweep *s, uint32_t leaf, place *middle)
 {
-    const smr_box box = box_of_node(&s->a->tree.node[leaf]);
+    const smr_box box = smr_node_box(&s->a->tree.node[leaf]);
     const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_ROUNDED;
     const smr_vec at = smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift);
     middle->warm = SMR_NONE;
@@ -181,7 +164,7 @@ static uint32_t places(const void *job) { return (void)job, SMR_CONTACT_PLACES; 
 static found *place_of(contact *c, uint32_t task)
 {
     found *const f = &c->place[task % SMR_CONTACT_PLACES];
-    *f = (found){no_box, 0.0f, 0.0f};
+    *f = (found){smr_no_box(), 0.0f, 0.0f};
     return f;
 }
 
@@ -362,7 +345,7 @@ static int is_unchanged(void *job, int enter)
 /* Returns 1 when the boxes of two closed surfaces are so near that the surfaces can touch. */
 static int can_touch(const smr_surface *a, const smr_surface *b, const sweep *s)
 {
-    const smr_box one = box_of(a);
+    const smr_box one = smr_tree_box(&a->tree);
     if (a->open || b->open || a->n_fragment + b->n_fragment > 0u)
         return 0;
     const smr_vec nearest = smr_low(smr_high(smr_sub(one.lo, s->shift), s->around.lo), s->around.hi);
@@ -387,9 +370,9 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
     c->report = report;
     c->changes[0] = a->changes;
     c->changes[1] = b->changes;
-    const found none = {no_box, 0.0f, 0.0f};
-    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), box_of(b), within_mm, none};
-    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), box_of(a), within_mm, none};
+    const found none = {smr_no_box(), 0.0f, 0.0f};
+    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), smr_tree_box(&b->tree), within_mm, none};
+    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), smr_tree_box(&a->tree), within_mm, none};
     if (!can_touch(a, b, &c->sweep[0]))
         c->head.stage = SMR_CONTACT_STAGES - 1u; /* all measures are 0 */
     return SMR_OK;

@@ -51,13 +51,8 @@ static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *li
     return height;
 }
 
-int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side)
-{
-    return smr_signed_distance_within(f, normal, q, most, NULL, side);
-}
-
-int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const smr_query *q, float most,
-                               smr_pause *pause, smr_side *side)
+int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_pause *pause,
+                        smr_side *side)
 {
     smr_certainty known = {-1.0f, 0.0f, 0, pause};
     smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};

@@ -94,19 +94,12 @@ static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec 
     return &surface->tree;
 }
 
-/* Stores the box of a body. A body without contacts gets a box whose low corner lies above the high one. */
+/* Stores the box of a body; for a body without contacts a box without points. */
 static void place_box(smr_contact *c, uint32_t body)
 {
     smr_vec shift;
     const smr_box_tree *f = body_of(c, body, &shift);
-    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
-    for (uint32_t k = 0; f != NULL && f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
-        const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
-        if (!(root->lo[0][k] < SMR_FAR))
-            continue; /* child k of the root is empty */
-        box.lo = smr_low(box.lo, smr_v(root->lo[0][k], root->lo[1][k], root->lo[2][k]));
-        box.hi = smr_high(box.hi, smr_v(root->hi[0][k], root->hi[1][k], root->hi[2][k]));
-    }
+    const smr_box box = f != NULL ? smr_tree_box(f) : smr_no_box();
     c->box[body] = (smr_box){smr_add(box.lo, shift), smr_add(box.hi, shift)};
 }
 
@@ -151,7 +144,7 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
 {
     const float nearest = -side->mm;
     q.min_cos = SMR_FACING_NONE;
-    if (!smr_signed_distance_within(f, normal, &q, SMR_CONTACT_DEEP, pause, side) || side->mm > 0.0f)
+    if (!smr_signed_distance(f, normal, &q, SMR_CONTACT_DEEP, pause, side) || side->mm > 0.0f)
         return 0.0f;
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
@@ -175,7 +168,7 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
     const smr_query q = {smr_sub(p->at, shift), p->inward, -2.0f, c->shared->config.forces.node_budget, SMR_NONE};
     if (w->task.contact.leaves)
         return face_out(f, normal, q, &w->pause, side);
-    if (!smr_signed_distance_within(f, normal, &q, reach, &w->pause, side))
+    if (!smr_signed_distance(f, normal, &q, reach, &w->pause, side))
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;

@@ -320,10 +320,8 @@ void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_
 static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, uint32_t last)
 {
     float least = SMR_FAR;
-    for (uint32_t k = first; k < last; k++) {
-        const smr_vec d = smr_sub(at, smr_get3(f->start, k));
-        least = smr_min(least, smr_dot(d, d));
-    }
+    for (uint32_t k = first; k < last; k++)
+        least = smr_min(least, smr_distance2(at, smr_get3(f->start, k)));
     return least;
 }
 
@@ -344,7 +342,7 @@ float smr_landmark_field_solve(smr_occluded_field *f)
     find_residuals(f, 0, f->n);
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
-    smr_solve_forward3(f->lower, f->n, f->coefficient);
+    smr_solve_rows_forward3(f->lower, f->n, 0, f->n, f->coefficient);
     for (uint32_t i = 0; i < f->n; i++) /* sums y^T K^-1 y = |L^-1 y|^2, whose mean is the field's variance */
         sum += smr_dot(smr_get3(f->coefficient, i), smr_get3(f->coefficient, i));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);

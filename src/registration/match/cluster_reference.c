@@ -38,10 +38,8 @@ void smr_reference_reach(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_reference *r = arg;
     float off2 = 0.0f;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
-        const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v));
-        off2 = smr_max(off2, smr_dot(d, d));
-    }
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++)
+        off2 = smr_max(off2, smr_distance2(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v)));
     r->tally[task].reference.deviation2 = off2;
 }
 
