@@ -19,7 +19,7 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
-/* Read (get) and write (put) the three floats of element i of an array [n][3]. */
+/* Read (get), write (put) and, below, increase (add) the three floats of element i of an array [n][3]. */
 static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
 static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
 
@@ -27,6 +27,7 @@ static inline smr_vec smr_add(smr_vec a, smr_vec b) { return smr_v(a.x + b.x, a.
 static inline smr_vec smr_sub(smr_vec a, smr_vec b) { return smr_v(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline smr_vec smr_scale(smr_vec a, float s) { return smr_v(a.x * s, a.y * s, a.z * s); }
 static inline float smr_dot(smr_vec a, smr_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline void smr_add3(float *array, uint32_t i, smr_vec a) { smr_put3(array, i, smr_add(smr_get3(array, i), a)); }
 
 static inline smr_vec smr_cross(smr_vec a, smr_vec b)
 {

@@ -103,12 +103,24 @@ void smr_carry_factor(smr_carry_site *s, uint32_t first, uint32_t last);
 void smr_carry_solve(const smr_carry_site *s, float *b);
 /* Writes side[1 .. n-1], the equations' right-hand side for point p. Returns g of the nearest vertex' distance. */
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
-/* Returns the similarity T that fits rest positions, mm from c->centre, to present positions now[n_vertices][3], mm. */
-smr_pose smr_carry_trend(const smr_carry *c, const float *now);
-/* Checks the arguments of smr_carry_apply(). Returns SMR_OK, E_NULL, E_STATE, E_DAMAGED or E_INPUT. */
+
+/* A call that computes the positions of n points, in parallel. */
+typedef struct smr_carry_call {
+    smr_carry *c;
+    const float *now;      /* [n_vertices][3] present positions in the caller's order, mm */
+    float *out;            /* [n][3] computed positions of the points, mm */
+    uint32_t n;            /* number of points */
+    const float *xyz;      /* [n][3] points to map, mm; NULL: the points are bound */
+    uint32_t inverse;      /* 1: the inverse of the map is computed; 0: the map */
+    smr_carry_fact *facts; /* [n] miss and volume change of each point; NULL: not wanted */
+    smr_pose trend;        /* similarity T that fits rest positions, mm from c->centre, to present positions */
+} smr_carry_call;
+
+/* Checks the carrying and present positions of a call. Returns SMR_OK, E_NULL, E_STATE, E_DAMAGED or E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-/* Calls each(arg, a worker's scratch, i) for points i = 0 .. n-1. Returns E_STATE when the port broke its contract. */
-typedef void smr_carry_each(const void *arg, smr_carry_site *s, uint32_t i);
-smr_status smr_carry_run(smr_carry *c, smr_carry_each *each, const void *arg, uint32_t n);
+/* Computes call->trend, and calls each() for each point i with the scratch s of a worker. Returns E_STATE when the port
+ * breaks its contract. */
+typedef void smr_carry_each(const smr_carry_call *call, smr_carry_site *s, uint32_t i);
+smr_status smr_carry_run(smr_carry_call *call, smr_carry_each *each);
 
 #endif

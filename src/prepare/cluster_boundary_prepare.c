@@ -25,9 +25,7 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     if (add == 0 || !member || smr_kept_apart(p, a, b) || (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
         return;
     const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_BOUNDARY_UNITS / 2)};
-    const size_t at = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
-    for (uint32_t i = 0; i < 3u; i++)
-        smr_put32(l->w, at + 4u * i, field[i]);
+    smr_put_words(l->w, l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary), field, 3);
     l->n_boundary++;
     p->n_outside[a] += !inside;
     p->n_outside[b] += !inside;

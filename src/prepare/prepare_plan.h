@@ -226,6 +226,7 @@ typedef struct smr_writer {
 /* Write a little-endian number of 2 or 4 bytes at offset `at` of the model. */
 void smr_put16(smr_writer *w, size_t at, uint32_t value);
 void smr_put32(smr_writer *w, size_t at, uint32_t value);
+void smr_put_words(smr_writer *w, size_t at, const uint32_t *word, size_t n); /* writes n numbers of 4 bytes */
 /* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns the section's offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
 /* Appends the shapes of further subjects as a section of the model. Without any, writes nothing. */

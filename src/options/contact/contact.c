@@ -353,9 +353,8 @@ static float displacement_along(const smr_contact *c, const place *p, smr_vec ou
 static void move(const smr_contact *c, const place *p, smr_vec out, float mm)
 {
     for (uint32_t k = 0; k < p->n; k++) {
-        float *x = smr_at3(c->shape->x_next, p->vertex[k]);
         const float share = p->weight[k] / smr_mass(c->shared, p->vertex[k]);
-        smr_store(x, smr_add(smr_load(x), smr_scale(out, mm * share)));
+        smr_add3(c->shape->x_next, p->vertex[k], smr_scale(out, mm * share));
     }
 }
 

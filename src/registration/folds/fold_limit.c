@@ -62,12 +62,11 @@ static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
         mean = smr_add(mean, smr_scale(step_of(f, corner[c]), 0.25f));
     for (uint32_t c = 0; c < 4u; c++) {
         const uint32_t v = corner[c];
-        float *sum = smr_at3(f->rings.sum, v);
         if (!(f->marked[v] & SMR_REQUESTED)) {
-            smr_store(sum, smr_v(0, 0, 0));
+            smr_put3(f->rings.sum, v, smr_v(0, 0, 0));
             f->rings.weight[v] = f->rings.requested[v] = 0.0f;
         }
-        smr_store(sum, smr_add(smr_load(sum), smr_scale(mean, share)));
+        smr_add3(f->rings.sum, v, smr_scale(mean, share));
         f->rings.weight[v] += share;
         f->rings.requested[v] = smr_max(f->rings.requested[v], share);
         f->marked[v] = SMR_MARKED | SMR_REQUESTED;
@@ -147,22 +146,14 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* Returns the first structure with folds, from this structure on; n_structures: none. */
-static uint32_t folding_from(const smr_folds *f, uint32_t structure)
-{
-    while (structure < f->shared->n_structures && !f->folding[structure])
-        structure++;
-    return structure;
-}
-
 /* Continues with the next structure with folds, and after the last one with the next stage. */
 static void next_structure(smr_folds *f, uint32_t stage)
 {
     smr_fold_limit *l = &f->limit;
-    l->pass.structure = folding_from(f, l->pass.structure);
+    l->pass.structure = smr_folding_from(f, l->pass.structure);
     if (l->pass.structure == f->shared->n_structures && stage == SMR_LIMIT_TOUCH) {
         stage = SMR_LIMIT_MOVE;
-        l->pass.structure = folding_from(f, 0);
+        l->pass.structure = smr_folding_from(f, 0);
     }
     l->pass.stage = stage;
     if (l->pass.structure < f->shared->n_structures)
@@ -203,21 +194,15 @@ void smr_fold_limit_start(smr_folds *f)
 
 uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->limit.pass); }
 
+static const smr_fold_stage stages[] = {
+    [SMR_LIMIT_LOOK] = {SMR_OVER_DIHEDRALS, SMR_LOOK_CHUNK, look},
+    [SMR_LIMIT_TOUCH] = {SMR_OVER_TRIANGLES, SMR_TRIANGLE_CHUNK, touch},
+    [SMR_LIMIT_MOVE] = {SMR_OVER_VERTICES, SMR_TRIANGLE_CHUNK, move},
+};
+
 void smr_fold_limit_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
-    smr_fold_pass *pass = &f->limit.pass;
-    const uint32_t over = pass->stage == SMR_LIMIT_LOOK   ? SMR_OVER_DIHEDRALS
-                          : pass->stage == SMR_LIMIT_MOVE ? SMR_OVER_VERTICES
-                                                          : SMR_OVER_TRIANGLES;
-    const uint32_t chunk = over == SMR_OVER_DIHEDRALS ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
-    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
-    if (over == SMR_OVER_DIHEDRALS)
-        look(f, piece.from, piece.to);
-    else if (over == SMR_OVER_TRIANGLES)
-        touch(f, piece.from, piece.to);
-    else
-        move(f, piece.from, piece.to);
-    if (smr_fold_piece_done(pass, &piece))
+    if (smr_fold_run(f, &f->limit.pass, stages))
         next_pass(f);
 }

@@ -85,8 +85,7 @@ static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosi
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
-        float *x = smr_at3(f->shape->x_next, corner[c]);
-        smr_store(x, smr_add(smr_load(x), smr_scale(gradient[c], share)));
+        smr_add3(f->shape->x_next, corner[c], smr_scale(gradient[c], share));
         f->marked[corner[c]] = 1;
         smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
