@@ -47,7 +47,7 @@ static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
-/* Returns an index i that a fault may have changed, or the last of n when i leads outside. n is at least 1. */
+/* Returns i, or n - 1 when a fault has made the index i of n elements too large. n is at least 1. */
 static inline uint32_t smr_index(uint32_t i, uint32_t n) { return i < n ? i : n - 1u; }
 
 /* Returns a when a is positive, otherwise +0. The function has no branch, so compilers vectorise loops that call it. */

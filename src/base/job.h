@@ -7,9 +7,9 @@
 
 #include "base/base.h"
 
-/* A stage: n_tasks tasks, each of at most about 100,000 instructions. Functions get the job. */
+/* A stage of tasks of at most about 100,000 instructions each. All functions get the job. */
 typedef struct smr_stage {
-    smr_count_tasks *n_tasks; /* number of tasks, 0: no stage; NULL: one */
+    smr_count_tasks *n_tasks; /* returns the number of tasks, 0: the stage is skipped; NULL: one task */
     smr_run_task *run;
     smr_count_tasks
         *abreast; /* task t keeps its result in place t % abreast, until `end`; NULL: all tasks have places */

@@ -21,7 +21,7 @@ struct smr_model {
     uint32_t order;             /* SMR_ORDER_...: how the order L of the clusters was chosen */
     uint32_t centre[3];         /* float, mm: origin of rest positions */
     uint32_t edge_mm;           /* float, mm: mean length of mesh edges */
-    uint32_t at_structures;     /* smr_stored_structure [n_structures] */
+    uint32_t at_structures;     /* smr_stored_structure [n_structures]: names and sizes */
     uint32_t at_position;       /* uint32 [n_vertices]: stored vertex of each caller's vertex, structures in a row */
     uint32_t at_original;       /* uint32 [n_vertices]: caller's vertex of each stored vertex */
     uint32_t at_owner;          /* uint16 [n_vertices]: structure of each stored vertex */
@@ -47,7 +47,7 @@ struct smr_model {
 /* Entry of an added section. A library that does not know the kind skips an optional and refuses a required one. */
 typedef struct smr_stored_section {
     uint32_t kind;      /* SMR_SECTION_..., not 0, each kind once */
-    uint32_t flags;     /* SMR_SECTION_REQUIRED or 0 */
+    uint32_t flags;     /* SMR_SECTION_REQUIRED, or 0 for an optional section */
     uint32_t at, bytes; /* offset, behind the previous section; size in bytes */
 } smr_stored_section;
 
@@ -57,7 +57,7 @@ typedef struct smr_stored_section {
 #define SMR_SECTIONS_MAX 64u    /* largest number of additional sections of a model */
 #define SMR_SECTION_REQUIRED 1u /* flag of a section: a library that does not know the kind refuses the model */
 
-/* A structure and its ranges of vertices and triangles, in the caller's numbers counted through all structures. */
+/* A structure and its ranges of vertices and triangles, in the caller's indexes counted through all structures. */
 typedef struct smr_stored_structure {
     char name[SMR_NAME_BYTES];
     uint32_t first_vertex, n_vertices, first_triangle, n_triangles;
@@ -94,7 +94,7 @@ typedef struct smr_stored_radius {
 
 /* Two vertices about a radius apart. Weight in each other's cluster: the lists' 1 or 0, plus share / 256 - 1/2. */
 typedef struct smr_stored_boundary {
-    uint32_t first, second; /* stored vertices */
+    uint32_t first, second; /* indexes of the two stored vertices */
     uint32_t share;         /* correction of the weight, plus 1/2, in units of 1/256: 0 .. SMR_BOUNDARY_UNITS */
 } smr_stored_boundary;
 

@@ -4,9 +4,9 @@
 #include "image/intensity_profile.h"
 #include "model/model.h"
 
-#define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
+#define SMR_RANGE_MAX 2.0e30f /* largest range or absolute low of a profile: twice the largest voxel value */
 #define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of a reference from the mean shape */
-#define SMR_WINDOW 4096u /* vertices checked at a time for having one entry each, a bit each on the stack */
+#define SMR_WINDOW 4096u /* number of vertices, a bit each on the stack, checked at a time for one entry each */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 SMR_SHARED static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)

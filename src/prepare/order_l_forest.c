@@ -66,7 +66,7 @@ static uint32_t list_near(const smr_plan *p, uint32_t v, uint32_t first, uint32_
 }
 
 /* Fills edge_a < edge_b with the candidate edges, each once, vertices counted from `first`. Returns their number. The
- * edges are sorted: key[start[a]] .. holds what is near to a or near which a is, and these few are sorted. */
+ * edges are sorted: from key[start[a]] on lie, ascending, the vertices behind a with which a may have an edge. */
 static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
 {
     const uint32_t size = last - first;
@@ -82,7 +82,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
             p->key[--start[smr_min_u32(v, near[k])]] = smr_max_u32(v, near[k]);
     for (uint32_t a = 0; a < size; a++) {
         const uint32_t n = start[a + 1u] - start[a], *const b = p->key + start[a];
-        smr_curve_sort(p->key + start[a], p->item + start[a], p->tmp, n); /* items are not used */
+        smr_curve_sort(p->key + start[a], p->item + start[a], p->tmp, n); /* sorts keys; the items are not used */
         for (uint32_t i = 0; i < n; i++)
             if (i == 0u || b[i] != b[i - 1u]) {
                 p->forest.edge_a[unique] = a;

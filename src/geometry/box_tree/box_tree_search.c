@@ -19,7 +19,7 @@ static int comes_first(const smr_box_tree *f, uint32_t i, uint32_t found)
     return found == SMR_NONE || f->rank == NULL ? i < found : f->rank[i] < f->rank[found];
 }
 
-#define SMR_NEARLY 0.1f      /* triangles farther than (1 + this) times the closest distance are not near */
+#define SMR_NEARLY 0.1f      /* (largest distance of a near triangle / closest distance) - 1 */
 #define SMR_NORMAL_RAMP 0.2f /* width of the range of cosines above min_cos over which shares rise from 0 to 1 */
 
 /* Adds a near triangle to the list. A full list drops its farthest triangle, and cut2 falls to that distance. */
@@ -70,16 +70,16 @@ void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
     take(f, &found, hit, 1.0f, NULL);
 }
 
-#define SMR_TIES 64u         /* most nodes opened whose boxes are exactly as far away as the closest triangle so far */
-#define SMR_BEYOND 24u       /* most nodes opened only for a lower bound of the distance to other triangles */
-#define SMR_ROUNDING 2.0e-6f /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */
-#define SMR_WORK_VISIT 30u   /* work of a node that is taken off the stack */
-#define SMR_WORK_NODE 1200u  /* work of a node that is opened, and of triangles that its tests leave out */
-#define SMR_WORK_TRIANGLE 600u /* work of a triangle that is measured */
+#define SMR_TIES 64u   /* largest number of nodes opened whose boxes are exactly as far away as the closest triangle */
+#define SMR_BEYOND 24u /* largest number of nodes opened only to bound the distance to other triangles */
+#define SMR_ROUNDING 2.0e-6f   /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */
+#define SMR_WORK_VISIT 30u     /* instructions at most to take a node off the stack */
+#define SMR_WORK_NODE 1200u    /* instructions at most to open a node and to test the children */
+#define SMR_WORK_TRIANGLE 600u /* instructions at most to measure a triangle */
 #define SMR_SURELY 1.00001f    /* factor on a distance, so that rounding does not make a triangle surely the closest */
 
-/* Returns a lower bound of the squared distance to triangle i, measured as d2. Rounding may put the measured point
- * beside the closest one, in a sliver far beside it. box_d2: squared distance to the triangle's box. */
+/* Returns a lower bound of the squared distance to triangle i, measured as d2. In a sliver rounding may put the
+ * measured point far from the closest point. box_d2: squared distance to the triangle's box. */
 static float least_of(const smr_box_tree *f, const smr_query *q, uint32_t i, float d2, float box_d2)
 {
     const smr_corner_values v = smr_corners_of(f->xyz, smr_triangle_at(f->triangle, i, f->n_vertices));
@@ -183,8 +183,8 @@ static float other_of(const smr_bounds *b)
     return SMR_SQRT(other2);
 }
 
-/* Returns 1 when the query's warm triangle is the closest one, or the point is that of a forged model: NaN or as far as
- * empty boxes. No search is needed then. */
+/* Returns 1 when no search is needed: the query's warm triangle is the closest one, or a forged model's point is NaN or
+ * as far as empty boxes. */
 static int ends_at_once(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                         smr_near_list *list, smr_certainty *known, smr_hit *warm)
 {
@@ -199,7 +199,7 @@ static int ends_at_once(const smr_box_tree *f, const smr_tree_mask *mask, const 
     return 1;
 }
 
-/* Returns the work after which a search stops. */
+/* Returns the work after which a search stops, instructions at most. */
 static uint32_t most_of(const smr_pause *pause)
 {
     if (pause == NULL || pause->left == SMR_ENDLESS)
@@ -223,7 +223,7 @@ static int stops(smr_pause *pause, uint32_t work, uint32_t most, const smr_walk 
     return 1;
 }
 
-/* Copies a search that stopped back. Returns 0 when there is none. */
+/* Copies a stopped search back from *pause. Returns 0 when no search has stopped. */
 static int resume(smr_pause *pause, smr_walk *w, smr_visit *stack, smr_hit *hit, smr_near_list *list)
 {
     if (pause == NULL || !pause->in_search)

@@ -45,7 +45,7 @@ void smr_curve_sort(uint32_t *key, uint32_t *item, uint32_t *tmp, uint32_t n);
 
 /* A radix sort in steps: each pass counts all items, then moves all items, from the index `from` up to `to`. */
 typedef struct smr_sort {
-    uint32_t *key, *item, *tmp; /* key [n]: what is compared; item [n]: sorted by key; tmp [2 n]: scratch */
+    uint32_t *key, *item, *tmp; /* key [n]: sort keys; item [n]: numbers sorted by key; tmp [2 n]: scratch */
     uint32_t *count;            /* [SMR_SORT_BYTES] scratch: number, then place, of the items with each byte */
     uint32_t n;
 } smr_sort;

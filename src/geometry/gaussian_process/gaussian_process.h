@@ -23,8 +23,8 @@ float smr_solve_row(const float *row, uint32_t i, const float *known, float valu
 /* Replace y[n] by L^-1 y (forward) or L^-T y (back). lower: the factor L. */
 typedef void smr_solver(float *lower, uint32_t n, float *y);
 smr_solver smr_solve_forward, smr_solve_back;
-/* The same for rows first .. last - 1 alone, forward after all rows before, back after all rows behind. Functions named
- * ...3 solve for three columns, y[n][3]. */
+/* Solve rows first .. last - 1 alone: forward after all rows before `first`, back after all rows from `last` on. The
+ * functions named ...3 solve for three columns, y[n][3]. */
 typedef void smr_solver_of_rows(float *lower, uint32_t n, uint32_t first, uint32_t last, float *y);
 smr_solver_of_rows smr_solve_rows_forward, smr_solve_rows_back, smr_solve_rows_forward3, smr_solve_rows_back3;
 

@@ -29,8 +29,8 @@ enum { SMR_FIT_FROM = 0, SMR_FIT_TO = 3, SMR_FIT_CROSS = 6, SMR_FIT_FROM2 = 15, 
 typedef struct smr_fit {
     smr_vec origin_from, origin_to; /* mm: origins of the points `from` and `to` */
     float sum[SMR_FIT_SUMS];        /* sums of w from, w to, w to from^T (row-major), w |from|^2, w |to|^2 */
-    float lost[SMR_FIT_SUMS];       /* rounding errors of sum[] */
-    float weight;                   /* sum of w */
+    float lost[SMR_FIT_SUMS];       /* rounding error of each entry of sum[], to be added */
+    float weight;                   /* sum of the weights w of all pairs */
 } smr_fit;
 
 /* Sets the origins, mm, and clears the sums. Origins near the points keep the digits of coordinates far from 0. */

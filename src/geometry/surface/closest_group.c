@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_GROUP_NODES 24u /* most nodes above the leaves that a group searches together */
+#define SMR_GROUP_NODES 24u /* largest number of nodes above the leaves that a group searches together */
 
 /* Returns a node of a tree that has nodes, or the root where a fault in a box led beyond it. */
 static const smr_node *node_at(const smr_box_tree *f, uint32_t index)

@@ -52,7 +52,7 @@ uint32_t smr_surface_guard(const smr_surface *s); /* returns the checksum of a c
 
 /* Numbers of connected components. FRAGMENT: small, open, ignored; SMALL: other small ones; FIRST ..: large ones. */
 enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
-#define SMR_BODY_PART 250u /* a component of more than 1 / this of all triangles gets its own number, below 256 */
+#define SMR_BODY_PART 250u /* a component with over 1 / SMR_BODY_PART of all triangles gets its own number, below 256 */
 
 #define SMR_SURFACE_MAGIC 0x736d7253u /* smr_surface.magic of a complete surface */
 #define SMR_SURFACE_BUSY 0x736d7262u  /* smr_surface.magic of a surface that is being built or refitted */
@@ -98,7 +98,7 @@ static inline void smr_surface_search(const smr_surface *s, const unsigned char 
     (void)smr_surface_search_known(s, use, q, hit, NULL);
 }
 
-#define SMR_GROUP_POINTS 8u /* most points of a group */
+#define SMR_GROUP_POINTS 8u /* largest number of points in a group */
 
 /* Searches as smr_tree_closest_but() does for each of n queries, 1 .. SMR_GROUP_POINTS, with points near each other. A
  * query without a triangle to try first gets that of the query before. */
@@ -128,7 +128,7 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
 
 /* ---- surface_line.c ---- */
 
-#define SMR_CROSSINGS 64u /* most crossings of a line with one surface */
+#define SMR_CROSSINGS 64u /* largest number of crossings of a line with one surface */
 
 /* A crossing of a line with a surface. */
 typedef struct smr_crossing {
@@ -153,7 +153,7 @@ int smr_surface_inside(const smr_surface *s, smr_vec p);
 
 /* A cloud of points in the caller's memory. Points attract the model as target vertices do, with weights as areas. */
 struct smr_points {
-    uint32_t magic;      /* SMR_POINTS_MAGIC */
+    uint32_t magic;      /* SMR_POINTS_MAGIC marks an open cloud */
     uint32_t next;       /* index that the next added point gets, < surface.capacity */
     uint32_t guard;      /* checksum of the addresses of slots and of the capacity */
     smr_surface surface; /* the first n_vertices slots hold xyz, normal (0: none) and, as area, the weight; origin 0 */

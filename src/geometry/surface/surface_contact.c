@@ -11,14 +11,14 @@
 #define SMR_DEPTH_MOST 100.0f  /* mm: greater depths count as this depth */
 #define SMR_LINES 64u          /* largest number of lines of the volume's grid along each of two axes */
 #define SMR_LINE_MM 0.25f      /* smallest distance between two lines, mm */
-#define SMR_LINES_TASK 2u      /* lines in a task */
-#define SMR_VERTICES_TASK 3u   /* vertices in a task */
-#define SMR_CONTACT_LEAVES 24u /* leaves that are tested before the triangles of the near ones are measured */
-#define SMR_CONTACT_PLACES 16u /* tasks whose results wait to be added */
-#define SMR_ROUNDED 1.001f     /* factor on lengths that must not be too short by rounding */
-#define SMR_ROUNDED_MM 1.0e-4f /* added to such lengths, mm */
+#define SMR_LINES_TASK 2u      /* number of grid lines that a task measures */
+#define SMR_VERTICES_TASK 3u   /* number of vertices that a task measures */
+#define SMR_CONTACT_LEAVES 24u /* number of leaves tested before the triangles of near leaves are measured */
+#define SMR_CONTACT_PLACES 16u /* number of tasks whose results wait to be added */
+#define SMR_ROUNDED 1.001f     /* factor on lengths that rounding must not make too short */
+#define SMR_ROUNDED_MM 1.0e-4f /* added to lengths that rounding must not make too short, mm */
 
-/* What tasks have found of surface a in surface b. */
+/* Depth, contact area and near box of surface a in surface b, as far as tasks have measured them. */
 typedef struct found {
     smr_box near;  /* box around all triangles of a that can reach into b, mm from a's origin */
     float deepest; /* largest depth in b, mm */
@@ -36,7 +36,7 @@ typedef struct sweep {
 
 /* A place whose signed distance to b is known. */
 typedef struct place {
-    smr_vec at;    /* mm from b's origin */
+    smr_vec at;    /* position of the place, mm from b's origin */
     float side;    /* signed distance, mm; SMR_FAR: unknown */
     uint32_t warm; /* closest triangle of b, to be tried first at the next place; SMR_NONE: none */
 } place;
@@ -57,7 +57,7 @@ static int find_side(const sweep *s, smr_vec p, float most, float deep, place *t
     return 1;
 }
 
-/* Returns the distance between two places, rounded up. */
+/* Returns the distance between the points p and q, mm, rounded up. */
 static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_ROUNDED + SMR_ROUNDED_MM; }
 
 /* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper
@@ -137,22 +137,22 @@ static void sweep_vertices(const sweep *s, smr_piece piece, found *f)
 
 /* A leaf whose triangles may reach the other surface. */
 typedef struct near_leaf {
-    uint32_t leaf; /* number among the leaves of a, then of b; SMR_NONE: far */
+    uint32_t leaf; /* index among the leaves of a followed by those of b; SMR_NONE: the leaf is far */
     place middle;
 } near_leaf;
 
-/* A measurement in progress. */
+/* smr_surface_contact() in progress. */
 typedef struct contact {
     smr_job_head head;
     sweep sweep[2]; /* of a in b, and of b in a */
     smr_contact_report *report;
-    uint32_t changes[2];             /* smr_surface.changes at the begin */
+    uint32_t changes[2];             /* smr_surface.changes of a and b when the measurement began */
     smr_box box;                     /* box around the overlap, mm from a's origin */
     uint32_t u, v, w;                /* axes across the lines, and along them */
     uint32_t n_u, n_v;               /* numbers of lines along the axes u and v */
     float du, dv;                    /* distances of the lines, mm */
     float length;                    /* length of all lines inside both surfaces so far, mm */
-    found place[SMR_CONTACT_PLACES]; /* results of tasks */
+    found place[SMR_CONTACT_PLACES]; /* results of tasks that are not added to a sweep yet */
     uint32_t leaf, n_near; /* first leaf of a, then of b, that is tested now; number of near ones among those tested */
     near_leaf near[SMR_CONTACT_LEAVES];
 } contact;
@@ -201,7 +201,7 @@ static void test_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     c->near[task].leaf = is_near ? leaf : SMR_NONE;
 }
 
-/* Keeps the near leaves, in their order. */
+/* Appends the near leaves among those tested to c->near, in the order of leaves. */
 static void keep_near(void *job, uint32_t first, uint32_t last)
 {
     contact *c = job;
@@ -233,7 +233,7 @@ static void take_triangles(void *job, uint32_t first, uint32_t last)
         take(c, task, c->near[task / SMR_TREE_WIDTH].leaf >= leaves_of(c, 0));
 }
 
-/* Goes back to the test of the next leaves. */
+/* Makes the job test the next leaves, until all leaves are tested. */
 static void next_leaves(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     contact *c = job;
@@ -374,7 +374,7 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
     c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), smr_tree_box(&b->tree), within_mm, none};
     c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), smr_tree_box(&a->tree), within_mm, none};
     if (!can_touch(a, b, &c->sweep[0]))
-        c->head.stage = SMR_CONTACT_STAGES - 1u; /* all measures are 0 */
+        c->head.stage = SMR_CONTACT_STAGES - 1u; /* only finish() runs: all measures are 0 */
     return SMR_OK;
 }
 

@@ -7,10 +7,10 @@
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_SIDE_NEAR 0.1f    /* mm: below about this distance the direction is the interpolated vertex normal */
+#define SMR_SIDE_NEAR 0.1f    /* mm: distance below which the direction is about the interpolated vertex normal */
 #define SMR_SIDE_TIE 1.00001f /* triangles with squared distances within this factor share the closest edge or corner */
 #define SMR_SIDE_ZERO 1.0e-10f   /* mm^2: smaller squared distances count as 0 */
-#define SMR_WORK_SIDE 800u       /* instructions at most for a triangle that is nearly as close as the closest */
+#define SMR_WORK_SIDE 800u       /* instructions at most for a triangle nearly as close as the closest one */
 #define SMR_STRAIGHT 3.14159265f /* rad: 180 degrees */
 
 /* Returns the arc cosine, rad, to 7e-5 (Abramowitz and Stegun, 4.4.45). */

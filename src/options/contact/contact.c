@@ -14,18 +14,18 @@
 #include "options/contact/contact.h"
 
 #define SMR_CONTACT_DEEP 10.0f  /* mm: depth beyond which a vertex, at its first search, is not pushed out */
-#define SMR_CONTACT_BAND 0.5f   /* mm beyond config.contact.gap_mm where contacts start; from half of it they weigh 1 */
+#define SMR_CONTACT_BAND 0.5f   /* width of the band beyond gap_mm in which weights of contacts rise from 0, mm */
 #define SMR_REACH_NEAR 1.25f    /* search radius / (gap_mm + SMR_CONTACT_BAND) of vertices that were near a surface */
 #define SMR_REACH_FAR 4.0f      /* search radius / (gap_mm + SMR_CONTACT_BAND) of all other vertices */
 #define SMR_FACING_NONE (-0.5f) /* cosine of exit direction and inward normal at or below which contacts weigh 0 */
 #define SMR_FACING_FULL (-0.3f) /* cosine of exit direction and inward normal at or above which contacts weigh 1 */
 #define SMR_PASSED 4.0f         /* exit depth / depth of the nearest triangle above which a contact loses weight */
 #define SMR_TRIANGLES_LAST 2u   /* number of last iterations that test triangles' centres; with more, vertices drift */
-#define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres is gap_mm plus this, mm */
+#define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres - gap_mm, mm */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
-#define SMR_WORK_PROBE 4000u /* instructions at most for a point of the surface, ... */
-#define SMR_WORK_BODY 40u    /* ... for a body, and for a triangle nearly as close as the closest */
-#define SMR_WORK_NEAR 800u
+#define SMR_WORK_PROBE 4000u  /* instructions at most to begin the test of a point of the surface, ... */
+#define SMR_WORK_BODY 40u     /* ... to test the box of a body, ... */
+#define SMR_WORK_NEAR 800u    /* ... for a triangle nearly as close as the closest one */
 #define SMR_PROJECT_CHUNK 64u /* number of vertices or triangles in a task of the projection */
 #define SMR_PROJECT_PASSES 3u /* number of passes of the projection over all contacts */
 
@@ -198,7 +198,7 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
     touch[n - 1u] = *more;
 }
 
-/* Adds the contact with a body, of this weight, to touch[n]. */
+/* Adds the contact with a body, of weight `counts`, to touch[n]. */
 static void note(const smr_contact *c, uint32_t body, float counts, smr_worker *w, smr_touch *touch, uint32_t n)
 {
     const smr_side *side = &w->task.contact.side;

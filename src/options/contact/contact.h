@@ -34,7 +34,7 @@ typedef struct smr_touch {
 typedef struct smr_fixed_surface {
     const smr_surface *surface;   /* the caller's surface; NULL: no surface is set */
     uint32_t n_vertices, changes; /* number of vertices and change counter of the surface when it was set */
-    uint32_t guard, body;         /* as in smr_target */
+    uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
 } smr_fixed_surface;
 
 typedef struct smr_contact {

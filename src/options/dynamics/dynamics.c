@@ -129,7 +129,7 @@ void smr_time_steps_weigh(smr *s)
     const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* most pinned vertices of a cluster */
+    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* pinned vertices in a cluster */
     const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
     d->gram = mean;
     c->mass_max = c->mass_sum = 0.0f;

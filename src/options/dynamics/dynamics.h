@@ -30,7 +30,7 @@ enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_SPIN, SMR_WORK, SMR_PU
 /* Sums of a time step for a structure; for a group (structures that share clusters), in its first structure. */
 typedef struct smr_step_sums {
     float energy[SMR_STEP_ENERGIES];
-    uint32_t fixed;          /* 1: the group has pinned vertices; its rigid motion counts as 0 */
+    uint32_t fixed;          /* 1: the group has pinned vertices, and the group's rigid motion counts as 0 */
     float mass;              /* mass of the group's vertices, g */
     smr_vec speed;           /* mean velocity of the group at the start of the step, mm/s */
     smr_vec displacement;    /* mean displacement of the group in the step, mm */

@@ -22,16 +22,16 @@
 #define SMR_FIELD_CHUNK 16u    /* number of controls in a task, except in the Cholesky factor's, a column each */
 #define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark / variance of the field */
 
-/* State of the choice of controls. It lies in the memory of the Cholesky factor, which is computed later. */
+/* State of the choice of controls, in the memory of the Cholesky factor, which is computed later. */
 typedef struct smr_choice {
     uint32_t control[SMR_FIELD_ROWS]; /* [n] stored vertices that are controls */
     uint32_t n;                       /* number of controls chosen so far */
-    uint32_t total, passed;           /* number of visible vertices; number of those already looked at */
+    uint32_t total, passed;           /* number of visible vertices; number of visible vertices already looked at */
 } smr_choice;
 
 _Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "the choice lies over the factor");
 
-/* Returns the largest number of controls. Without landmarks it grows with the model, as does the sums' memory. */
+/* Returns the largest number of controls, which without landmarks grows with the model, as the sums' memory does. */
 static uint32_t most_of(const smr_shared *shared)
 {
     const uint32_t n_landmarks = shared->config.partial.n_landmarks;

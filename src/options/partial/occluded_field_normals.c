@@ -15,11 +15,10 @@
 #define SMR_GOLDEN 2654435769u    /* 2^32 times the golden ratio's fractional part, whose multiples spread evenly */
 #define SMR_FIELD_TURN 3u         /* number of positions by which the order of vertices shifts in each iteration */
 #define SMR_FIELD_SHEET 0.5f      /* |sum of area vectors| / area above which the model is a sheet */
-#define SMR_FIELD_FAR 9.999999e6f /* mm: fields with larger coefficients or poses are discarded */
+#define SMR_FIELD_FAR 9.999999e6f /* mm: largest coefficient or pose entry of a field that is not discarded */
 #define SMR_TURN_MOST 0.1f        /* smallest value used for 1 + trace(R), a divisor that is 0 at half a turn */
 #define SMR_SIZE_MOST 2.0f        /* largest factor by which one solution changes the pose's scale */
 
-/* Returns 1 when goals hold the model along normals only: a partial target, no landmark, no tracked image, no sheet. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f)
 {
     uint32_t open = 0;

@@ -36,7 +36,7 @@ void smr_tracking_momentum(smr *s)
     s->schedule.momentum = smr_min(s->shared.config.motion.momentum, most);
 }
 
-/* Starts iterations at the cluster radius with this index. */
+/* Starts iterations at the cluster radius with the index `radius`. */
 static void go_to(smr *s, uint32_t radius)
 {
     smr_radius_go(s, radius);
@@ -109,7 +109,6 @@ static float gain_of(const smr *s)
     return smr_min((float)t->n_with_target / (float)t->n_forces, SMR_TRACK_GAIN);
 }
 
-/* Returns 0 at coarser radii; at tracking's radius a progress that rises to 1 in the first half of the iterations. */
 float smr_tracking_progress(const smr *s)
 {
     const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;

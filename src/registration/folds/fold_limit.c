@@ -11,10 +11,10 @@
 #define SMR_LIMIT_ROOM 0.05f   /* distance of a cosine to its limit below which the edge creeps: moves by small steps */
 #define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
 #define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit, never reached */
-#define SMR_LOOK_CHUNK 64u     /* number of dihedral edges in a task: each needs the normals of two triangles, twice */
-#define SMR_SOFT_ROUNDS 20u    /* most rounds in which edges ask vertices for shorter steps */
-#define SMR_HALVINGS 3u        /* rounds that halve steps; later rounds remove steps */
-#define SMR_LIMIT_ROUNDS 40u   /* most rounds in an iteration, soft ones and halvings together */
+#define SMR_LOOK_CHUNK 64u     /* number of dihedral edges in a task; each edge needs four triangle normals */
+#define SMR_SOFT_ROUNDS 20u    /* largest number of rounds in which edges request shorter steps of vertices */
+#define SMR_HALVINGS 3u        /* number of rounds that halve steps; later rounds remove steps */
+#define SMR_LIMIT_ROUNDS 40u   /* largest number of rounds in an iteration, soft rounds and halvings together */
 #define SMR_ENOUGH 0.001f      /* largest requested share at which the soft rounds end */
 
 enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
@@ -52,7 +52,7 @@ static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_
             corner[3] = b[c];
 }
 
-/* Requests that the steps of an edge's corners move towards their mean by this share. */
+/* Requests that the steps of an edge's corners move towards their mean by `share`, 0..1. */
 static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
 {
     uint32_t corner[4];
@@ -86,8 +86,8 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     }
 }
 
-/* Tests those dihedral edges from .. to - 1, of one task of fold_find.c, near which a corner has moved since their last
- * test. A soft round passes over edges that had no touched run before, as long as no more runs are touched. */
+/* Tests dihedral edges from .. to - 1, of one task of fold_find.c, in or near runs of triangles with moved corners. A
+ * soft round skips all these edges if none had a touched run before and no further run has been touched since. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_fold_limit *l = &f->limit;

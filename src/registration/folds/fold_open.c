@@ -8,7 +8,7 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
-#define SMR_OPEN_PASSES 16u    /* most passes over the dihedral edges in an iteration */
+#define SMR_OPEN_PASSES 16u    /* largest number of passes over the dihedral edges in an iteration */
 #define SMR_OPEN_CHUNK 32u     /* number of dihedral edges in a task */
 #define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
 #define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, as a share of the shortest edge */

@@ -6,7 +6,7 @@
 
 #define SMR_EDGE_FLOOR 1.0e-3f /* mm: added to edge lengths in divisors */
 #define SMR_REPAIR_CHUNK 128u  /* number of dihedral edges, triangles or vertices in a task */
-#define SMR_REPAIR_SWEEPS 10u  /* sweeps over the patch around a fold, for each ring of the patch */
+#define SMR_REPAIR_SWEEPS 10u  /* number of sweeps over the patch around a fold, for each ring of the patch */
 #define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
 /* Stages of the repair: none; mark folds; then for each structure with folds the others, in this order. */

@@ -125,7 +125,7 @@ static uint32_t chain(const smr_sums *s, piece p)
     return narrow ? chain16(l, p, active, record, s->sum, 4u) : chain32(l, p, active, record, s->sum, 4u);
 }
 
-/* Returns entry e of a piece as four words, within their bounds also after a fault. */
+/* Returns entry e of a piece as four words, limited to legal values in case of a fault. */
 static smr_entry32 entry_of(const smr_lists *l, const piece *p, uint32_t e)
 {
     const smr_entry32 r = smr_entry_at(l, (size_t)p->first + e);
@@ -144,7 +144,7 @@ static uint64_t work_at(const smr_sums *s, const piece *p, uint32_t e)
     return (uint64_t)work_of(s) * (1u + entry.n_plus + entry.n_minus);
 }
 
-/* Returns the end of the entries from p->from on whose work is left, and counts this work. */
+/* Returns the end of the entries from p->from on for which work is left, and subtracts their work. */
 static uint32_t entries_for(const smr_sums *s, const piece *p, uint32_t length, smr_pause *pause)
 {
     uint32_t to = p->from;

@@ -8,7 +8,7 @@
 #include "geometry/rotation/rotation.h"
 #include "registration/match/cluster_match.h"
 
-#define SMR_RADIANS 0.017453293f /* rad per degree */
+#define SMR_RADIANS 0.017453293f /* radians in a degree */
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
 {

@@ -77,7 +77,7 @@ smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
     return SMR_OK;
 }
 
-/* Returns the largest distance from the first of the points xyz[n][3] to another of them. */
+/* Returns the largest distance from the first of the points xyz[n][3] to another point. */
 static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
@@ -127,7 +127,7 @@ static void normalise(job *j, smr_warp *w)
     for (uint32_t k = 0; k < j->n; k++)
         most = smr_max(most, smr_length(smr_get3(w->centre, k)));
     most = smr_max(most, SMR_SAME_MM);
-    while (unit < most) /* ends: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
+    while (unit < most) /* the loop ends, for SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
         unit *= 2.0f;
     while (unit * 0.5f >= most)
         unit *= 0.5f;
