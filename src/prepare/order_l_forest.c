@@ -19,6 +19,18 @@ typedef struct block {
 #define SMR_VERTEX_CHUNK 32u /* number of vertices that a task processes */
 #define SMR_EDGE_CHUNK 512u  /* number of edges that a task processes */
 
+/* Sorts n numbers ascending by insertion. */
+static void sort_few(uint32_t *number, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        const uint32_t own = number[i];
+        uint32_t at = i;
+        for (; at > 0u && number[at - 1u] > own; at--)
+            number[at] = number[at - 1u];
+        number[at] = own;
+    }
+}
+
 /* Fills rows and counts of a chunk's clusters, and nearest[] unless nearest[] is known from the previous radius. */
 static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -82,7 +94,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
             p->key[--start[smr_min_u32(v, near[k])]] = smr_max_u32(v, near[k]);
     for (uint32_t a = 0; a < size; a++) {
         const uint32_t n = start[a + 1u] - start[a], *const b = p->key + start[a];
-        smr_curve_sort(p->key + start[a], p->item + start[a], p->tmp, n); /* sorts keys; the items are not used */
+        sort_few(p->key + start[a], n);
         for (uint32_t i = 0; i < n; i++)
             if (i == 0u || b[i] != b[i - 1u]) {
                 p->forest.edge_a[unique] = a;
