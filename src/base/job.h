@@ -12,7 +12,7 @@ typedef struct smr_stage {
     smr_count_tasks *n_tasks; /* returns the number of tasks, 0: the stage is skipped; NULL: one task */
     smr_run_task *run;
     smr_count_tasks
-        *abreast; /* task t keeps its result in place t % abreast, until `end`; NULL: all tasks have places */
+        *abreast; /* returns n: task t keeps its result in place t % n until `end`; NULL: as many as tasks */
     void (*end)(void *job, uint32_t first, uint32_t last); /* takes the results of tasks first .. last-1; NULL: none */
 } smr_stage;
 

@@ -197,8 +197,8 @@ float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
 
 size_t smr_occluded_field_words(const smr_shared *shared); /* returns 32-bit words that the field needs */
-void smr_occluded_field_wire(smr_occluded_field *f,
-                             const smr_overlay *overlay); /* places the field's arrays in smr_overlay.sum */
+/* Places the field's arrays in overlay->sum. */
+void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay);
 
 /* Returns 1 while images are tracked, which do not hold a structure along its surface. */
 static inline int smr_field_of_image(const smr_occluded_field *f)

@@ -81,8 +81,7 @@ void smr_tracking_start(smr *s)
 {
     s->schedule.tracking = s->schedule.settled = 1;
     s->schedule.jumped = s->schedule.recovering = 0;
-    s->schedule.changed =
-        s->forces.unmeasured ? SMR_CHANGED : 0u; /* unmeasured: a target is newer than the last forces */
+    s->schedule.changed = s->forces.unmeasured ? SMR_CHANGED : 0u; /* a target may be newer than the last forces */
     s->schedule.found = share_found(s);
     s->schedule.noise_mm = smr_residual_typical(&s->forces.surface);
     s->schedule.image_age = SMR_IMAGE_CURRENT;

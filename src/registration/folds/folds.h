@@ -37,10 +37,9 @@ typedef struct smr_fold_limit {
 } smr_fold_limit;
 
 typedef struct smr_fold_open {
-    uint32_t n_done;  /* number of completed tasks of the step in this iteration */
-    uint32_t pass;    /* number of the current pass over dihedral edges, from 1; 0: none */
-    uint32_t chunk;   /* index of the next chunk of dihedral edges */
-    uint32_t n_folds; /* number of folds found in this pass so far */
+    smr_fold_pass pass;
+    uint32_t n_passes; /* number of completed passes that found folds in this iteration */
+    uint32_t n_folds;  /* number of folds found in this pass so far */
 } smr_fold_open;
 
 typedef struct smr_folds {
