@@ -100,7 +100,9 @@ static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
 /* Returns the point a, mm, moved by the pose. */
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)
 {
-    return smr_add(smr_pose_turn(p, a), smr_column(p, 3));
+    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z + p->m[0][3],
+                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z + p->m[1][3],
+                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z + p->m[2][3]);
 }
 
 #endif

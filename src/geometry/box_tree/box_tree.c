@@ -25,15 +25,10 @@ smr_box smr_node_box(const smr_node *node)
 {
     smr_box box = smr_no_box();
     for (uint32_t k = 0; k < SMR_TREE_WIDTH && node->lo[0][k] < SMR_FAR; k++) {
-        smr_box_grow(&box, smr_v(node->lo[0][k], node->lo[1][k], node->lo[2][k]));
-        smr_box_grow(&box, smr_v(node->hi[0][k], node->hi[1][k], node->hi[2][k]));
+        box.lo = smr_low(box.lo, smr_v(node->lo[0][k], node->lo[1][k], node->lo[2][k]));
+        box.hi = smr_high(box.hi, smr_v(node->hi[0][k], node->hi[1][k], node->hi[2][k]));
     }
     return box;
-}
-
-smr_box smr_tree_box(const smr_box_tree *f)
-{
-    return f->n_levels > 0u ? smr_node_box(&f->node[f->level[f->n_levels - 1u]]) : smr_no_box();
 }
 
 /* Sets the boxes of all eight children of the node to the empty box. */

@@ -31,6 +31,9 @@ typedef struct smr_box_tree {
 uint32_t smr_tree_nodes(uint32_t n_triangles);              /* number of nodes of the tree over n_triangles */
 void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles); /* sets n_triangles, n_levels and level[] */
 
+/* Returns the root of a tree with triangles. */
+static inline const smr_node *smr_tree_root(const smr_box_tree *f) { return &f->node[f->level[f->n_levels - 1u]]; }
+
 /* Returns the number of leaves: nodes of the lowest level. */
 static inline uint32_t smr_tree_leaves(const smr_box_tree *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
 
@@ -48,8 +51,7 @@ static inline void smr_tree_refit_upper(const smr_box_tree *f)
 /* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
 
-smr_box smr_node_box(const smr_node *node);     /* returns the box around all children of a node */
-smr_box smr_tree_box(const smr_box_tree *tree); /* returns the box around all triangles; smr_no_box() without any */
+smr_box smr_node_box(const smr_node *node); /* returns the box around all children of a node */
 
 /* Writes the squared distance d2[k], mm^2, from p to each child box. Returns the children with d2 <= bound as bits. */
 static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])

@@ -345,7 +345,7 @@ static int is_unchanged(void *job, int enter)
 /* Returns 1 when the boxes of two closed surfaces are so near that the surfaces can touch. */
 static int can_touch(const smr_surface *a, const smr_surface *b, const sweep *s)
 {
-    const smr_box one = smr_tree_box(&a->tree);
+    const smr_box one = smr_node_box(smr_tree_root(&a->tree));
     if (a->open || b->open || a->n_fragment + b->n_fragment > 0u)
         return 0;
     const smr_vec nearest = smr_low(smr_high(smr_sub(one.lo, s->shift), s->around.lo), s->around.hi);
@@ -371,8 +371,8 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
     c->changes[0] = a->changes;
     c->changes[1] = b->changes;
     const found none = {smr_no_box(), 0.0f, 0.0f};
-    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), smr_tree_box(&b->tree), within_mm, none};
-    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), smr_tree_box(&a->tree), within_mm, none};
+    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), smr_node_box(smr_tree_root(&b->tree)), within_mm, none};
+    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), smr_node_box(smr_tree_root(&a->tree)), within_mm, none};
     if (!can_touch(a, b, &c->sweep[0]))
         c->head.stage = SMR_CONTACT_STAGES - 1u; /* only finish() runs: all measures are 0 */
     return SMR_OK;

@@ -99,7 +99,7 @@ static void place_box(smr_contact *c, uint32_t body)
 {
     smr_vec shift;
     const smr_box_tree *f = body_of(c, body, &shift);
-    const smr_box box = f != NULL ? smr_tree_box(f) : smr_no_box();
+    const smr_box box = f != NULL && f->n_levels > 0u ? smr_node_box(smr_tree_root(f)) : smr_no_box();
     c->box[body] = (smr_box){smr_add(box.lo, shift), smr_add(box.hi, shift)};
 }
 
