@@ -63,8 +63,7 @@ static inline float smr_positive(float a)
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* Types of the functions of a step or a stage: one returns the number of tasks, one runs a task. stage: the struct that
- * the step or the stage works on. */
+/* Types of the functions that return a stage's number of tasks, and that run a task. stage: struct of step or stage. */
 typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 

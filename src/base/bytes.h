@@ -56,8 +56,7 @@ static inline uint64_t smr_mix(uint64_t z)
 
 /* Returns the CRC-32 (IEEE 802.3, reflected) of the n bytes at data. crc: CRC-32 of the bytes before them, or 0. */
 uint32_t smr_crc32(uint32_t crc, const void *data, size_t n);
-/* Returns a checksum of the n bytes at data, behind bytes with the checksum `sum`. A change of one word always changes
- * the checksum, which depends on the host's byte order. */
+/* Returns this host's checksum of n bytes behind bytes with the checksum `sum`. A change of a word changes the sum. */
 uint32_t smr_byte_sum(uint32_t sum, const void *data, size_t n);
 
 #endif

@@ -16,7 +16,7 @@ typedef struct smr_stage {
     void (*end)(void *job, uint32_t first, uint32_t last); /* takes the results of tasks first .. last-1; NULL: none */
 } smr_stage;
 
-uint32_t smr_in_order(const void *job); /* for `abreast`: returns 1, so that tasks run one after the other */
+uint32_t smr_in_order(const void *job); /* returns 1: as `abreast`, tasks run one after the other */
 
 /* The first member of each kind of job. */
 typedef struct smr_job_head {

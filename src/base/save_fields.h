@@ -52,7 +52,7 @@ uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most)
 void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most);
 void smr_keep_floats(smr_arena *a, float *field, size_t count, float least, float most);
 void smr_keep_long(smr_arena *a, uint64_t *field);
-void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* legal: a similarity, entries within +-most */
+void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* saves a pose; legal: a similarity within +-most */
 void smr_keep_require(smr_arena *a, int legal);               /* marks the save as wrong unless `legal` is 1 */
 
 #endif

@@ -118,8 +118,7 @@ typedef struct smr_carry_call {
 
 /* Checks the carrying and present positions of a call. Returns SMR_OK, E_NULL, E_STATE, E_DAMAGED or E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-/* Computes call->trend, and calls each() for each point i with the scratch s of a worker. Returns E_STATE when the port
- * breaks its contract. */
+/* Computes call->trend, and calls each(call, scratch of a worker, i) for each point i. Errors: E_STATE (port). */
 typedef void smr_carry_each(const smr_carry_call *call, smr_carry_site *s, uint32_t i);
 smr_status smr_carry_run(smr_carry_call *call, smr_carry_each *each);
 

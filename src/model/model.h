@@ -159,8 +159,8 @@ static inline uint32_t smr_word_at(const smr_model *m, uint32_t at, uint32_t i)
     return smr_index_at(smr_at(m, at), 4, i);
 }
 
-/* Vertices and structures that are read from the model are < the model's numbers, whatever a fault has changed.
- * Stored vertex v: structure, curve position (along), caller's vertex (original). position: stored of caller's i. */
+/* Return the structure, the curve index (along) and the caller's index (original) of stored vertex v; position: the
+ * stored index of the caller's vertex i. All but `along` are legal also after a fault in the model. */
 uint32_t smr_model_owner(const smr_model *m, uint32_t v);
 uint32_t smr_model_position(const smr_model *m, uint32_t i);
 uint32_t smr_model_original(const smr_model *m, uint32_t v);

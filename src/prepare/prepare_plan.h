@@ -108,18 +108,18 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
 /* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
-void smr_plan_order(smr_plan *p);          /* numbers vertices and triangles: curve_numbering.c */
-void smr_plan_neighbours(smr_plan *p);     /* lists mesh neighbours: mesh_measures.c */
-void smr_plan_mass(smr_plan *p);           /* computes the vertices' masses: mesh_measures.c */
-void smr_plan_dihedrals(smr_plan *p);      /* lists edges of two triangles: fold_dihedrals_prepare.c */
-smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors: those of smr_grid_open() */
+void smr_plan_order(smr_plan *p);      /* numbers vertices and triangles: curve_numbering.c */
+void smr_plan_neighbours(smr_plan *p); /* lists mesh neighbours: mesh_measures.c */
+void smr_plan_mass(smr_plan *p);       /* computes the vertices' masses: mesh_measures.c */
+void smr_plan_dihedrals(smr_plan *p);  /* lists edges of two triangles: fold_dihedrals_prepare.c */
+smr_status
+smr_plan_profiles(smr_plan *p); /* samples profiles: intensity_profiles_prepare.c; errors of smr_grid_open() */
 /* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 
-/* Returns the number of vertices that the model would have with few vertices in each structure; with options that need
- * all vertices in all clusters the number of vertices. */
+/* Returns the number of vertices with dense structures thinned; p->n if options need all vertices in all clusters. */
 uint32_t smr_plan_thinned(const smr_plan *p);
 /* Chooses coarse_vertices, and coarse_radii among radii chosen by smr_choose_radii(). Needs active_min. */
 void smr_plan_coarse(smr_plan *p, const float *radius, uint32_t n_radii);
@@ -131,8 +131,8 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
 /* Computes the stored order from S; an empty S gives one level in the order of the curve. */
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
 
-/* A row of bits is a set of vertices by their numbers along the curve. Behind its `words` 64-bit words a row has one
- * more: first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in large models. */
+/* A row of bits is a set of vertices, a bit for each curve index. Behind its `words` 64-bit words a row has one more:
+ * first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in large models. */
 static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
 static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
 
@@ -190,11 +190,10 @@ static inline smr_boundary smr_boundary_at(float radius)
 uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
-/* Returns the set of a node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each.
- * *reaching: the set of the other boxes that reach into the ball of squared radius outside2. */
+/* Returns the node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each. *reaching: the
+ * other boxes that reach into the ball of squared radius outside2. */
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching);
-/* Returns the set of a leaf's vertices in the ball of squared radius near2, mm^2, around p, a bit each. *outer: the set
- * for the squared radius far2. */
+/* Returns the leaf's vertices in the ball of squared radius near2, mm^2, around p, a bit each; *outer: within far2. */
 uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float near2, float far2, uint32_t *outer);
 
 /* Returns 1 when clusters of the current radius leave out vertices because of their structure. */

@@ -28,7 +28,7 @@ typedef struct smr_box_tree {
     uint32_t n_vertices;             /* number of vertices at xyz */
 } smr_box_tree;
 
-uint32_t smr_tree_nodes(uint32_t n_triangles);              /* number of nodes of the tree over n_triangles */
+uint32_t smr_tree_nodes(uint32_t n_triangles); /* returns the number of nodes of the tree over n_triangles */
 void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles); /* sets n_triangles, n_levels and level[] */
 
 /* Returns the root of a tree with triangles. */
@@ -191,13 +191,11 @@ static inline void smr_work(smr_pause *pause, uint32_t work)
         pause->left -= smr_min_u32(work, pause->left);
 }
 
-/* Measures triangle i, unless q or the mask leaves it out: updates *hit when the triangle is closer, or as close with a
- * smaller rank. mask NULL: no triangle is left out. */
+/* Updates *hit when q and the mask (NULL: none) accept triangle i, which is closer, or as close with a smaller rank. */
 void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit);
 
-/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all triangles are
- * searched; known NULL: no bound is known or wanted. Return 0 when known->pause ended the work; repeated, the call
- * continues. */
+/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: no triangle is left out;
+ * known NULL: no bound is known or wanted. Return 0 when known->pause ended the work, which the next call continues. */
 int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
                          smr_certainty *known);
 static inline int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)

@@ -51,8 +51,7 @@ static inline int accepted(const smr_box_tree *f, const smr_tree_mask *mask, con
     return !(smr_dot(smr_get3(f->normal, i), q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)));
 }
 
-/* Updates *hit when a measured triangle is closer, or as close with a smaller rank, and adds the triangle to the list
- * when it is near. */
+/* Updates *hit when a measured triangle is closer, or as close with a smaller rank; lists the triangle when near. */
 static void take(const smr_box_tree *f, const smr_hit *found, smr_hit *hit, float widen, smr_near_list *list)
 {
     if (list != NULL && found->d2 < hit->d2 * widen)
@@ -152,8 +151,7 @@ static uint32_t search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, co
     return n;
 }
 
-/* Tries q->warm, and stores its closest point. Returns 1 when no other triangle can be closer, or within `widen` times
- * its squared distance. */
+/* Tries q->warm. Returns 1 when no other triangle can lie within `widen` times the squared distance of *warm. */
 static int warm_is_sure(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                         const smr_certainty *known, smr_hit *warm)
 {
@@ -237,9 +235,8 @@ static int resume(smr_pause *pause, smr_walk *w, smr_visit *stack, smr_hit *hit,
     return 1;
 }
 
-/* Finds the closest triangle for *hit. Boxes and triangles within `widen` (1 or more) times the squared distance of
- * *hit are also tested and enter the list. list NULL: only the closest triangle is wanted. Returns 0 when known->pause
- * ended the work. */
+/* Finds the closest triangle for *hit, and lists the triangles within `widen` >= 1 times the squared distance of *hit.
+ * list NULL: only the closest triangle is wanted. Returns 0 when known->pause ended the work. */
 static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                   smr_near_list *list, smr_certainty *known)
 {

@@ -32,7 +32,7 @@ static inline int smr_box_reaches(const smr_box *box, smr_vec p, float reach)
            p.x <= box->hi.x + reach && p.y <= box->hi.y + reach && p.z <= box->hi.z + reach;
 }
 
-smr_box smr_box_of(const float *xyz, uint32_t n); /* bounding box of n >= 1 points, xyz: [n][3] mm */
+smr_box smr_box_of(const float *xyz, uint32_t n); /* returns the bounding box of n >= 1 points xyz [n][3], mm */
 /* Returns the position of p on a Hilbert curve of 10 bits per axis through the cube around box: 0 .. 2^30 - 1. */
 uint32_t smr_curve_key(smr_box box, smr_vec p);
 

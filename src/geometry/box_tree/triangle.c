@@ -15,8 +15,7 @@ static float set(float weight[3], float a, float b, float c, smr_vec to_p)
     return smr_dot(to_p, to_p);
 }
 
-/* Writes the weights of the point on the edges of the triangle that is closest to p. Returns the squared distance from
- * p to that point, mm^2. */
+/* Writes the weights of the closest point on the triangle's edges. Returns the squared distance from p to it, mm^2. */
 static float closest_edge(const smr_vec *p, const float *xyz, const uint32_t *corner, float weight[3])
 {
     const smr_corner_values v = smr_corners_of(xyz, corner);

@@ -39,7 +39,7 @@ void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w);
 
 /* Returns the pose that minimises sum w |pose(from) - to|^2; scaled not 0: with the scale sqrt(variance of to /
- * variance of from). Where the pairs do not determine the rotation, it is the identity. */
+ * variance of from). A rotation that the pairs do not determine is the identity. */
 smr_pose smr_fit_solve(const smr_fit *f, int scaled);
 
 #endif

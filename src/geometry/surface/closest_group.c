@@ -25,8 +25,7 @@ static uint32_t children_near(const smr_node *node, smr_box box, float bound)
     return near;
 }
 
-/* Lists the nodes of the level above the leaves within the squared distance `bound` of a box. Returns their number;
- * above SMR_GROUP_NODES: too many. */
+/* Lists nodes above leaves within the squared distance `bound` of a box. Returns n; above SMR_GROUP_NODES: too many. */
 static uint32_t list_nodes(const smr_box_tree *f, smr_box box, float bound, uint32_t node[SMR_GROUP_NODES])
 {
     uint32_t from[SMR_GROUP_NODES], n = f->n_levels > 0u;

@@ -85,7 +85,7 @@ static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 }
 
 /* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0.
- * known: what the last search knew of other triangles; NULL: nothing. Returns as smr_tree_closest_but(). */
+ * known: bounds that the last search found; NULL: none. Returns as smr_tree_closest_but(). */
 static inline int smr_surface_search_known(const smr_surface *s, const unsigned char *use, const smr_query *q,
                                            smr_hit *hit, smr_certainty *known)
 {

@@ -22,7 +22,7 @@
 typedef struct found {
     smr_box near;  /* box around all triangles of a that can reach into b, mm from a's origin */
     float deepest; /* largest depth in b, mm */
-    float sum;     /* area in contact, mm^2; of lines: their length inside both surfaces, mm */
+    float sum;     /* area in contact, mm^2; in tasks over lines: length inside both surfaces, mm */
 } found;
 
 /* Depth and contact area of surface a in surface b, measured at a's triangles and vertices. */
@@ -41,8 +41,7 @@ typedef struct place {
     uint32_t warm; /* closest triangle of b, to be tried first at the next place; SMR_NONE: none */
 } place;
 
-/* Finds the signed distance of p (mm from b's origin) to b. Returns 0, with p unknown, where p is farther away than
- * `most`, or deeper than `deep`. */
+/* Finds the signed distance of p (mm from b's origin) to b, within `most` outside or `deep` inside; else returns 0. */
 static int find_side(const sweep *s, smr_vec p, float most, float deep, place *to)
 {
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, to->warm};
@@ -109,8 +108,7 @@ static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
         smr_box_grow(&f->near, smr_add(corner[i], s->shift));
 }
 
-/* Finds the side of the middle of a leaf of a. Returns 0 when the middle is so far outside of b that no triangle of
- * the leaf can reach b. */
+/* Finds the signed distance of a leaf's middle to b. Returns 0 when no triangle of the leaf can reach b. */
 static int leaf_is_near(const sweep *s, uint32_t leaf, place *middle)
 {
     const smr_box box = smr_node_box(&s->a->tree.node[leaf]);

@@ -12,7 +12,7 @@
 #define SMR_FRAGMENT_LEAST 512u /* a surface of fewer triangles has no fragments */
 #define SMR_FRAGMENT_SHARE 8u   /* there are no fragments if they would hold over n_triangles / SMR_FRAGMENT_SHARE */
 
-/* Union-find arrays [n_triangles]: each triangle's parent; a root's triangles; a root's border edges. */
+/* Union-find arrays [n_triangles]: parent of each triangle; a root's numbers of triangles, and of border edges. */
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }

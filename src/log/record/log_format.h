@@ -74,7 +74,7 @@ smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint3
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
-uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud's points and capacity */
+uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh; of a cloud's points and capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
 /* Returns the checksum of the input `what` of this kind, see smr_log_note(); 0 when the input is taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);

@@ -86,7 +86,7 @@ static void count_visible(smr_occluded_field *f, uint32_t task)
 }
 
 /* Chooses controls: every k-th visible vertex in stored order, which runs through the whole model. Inactive vertices
- * count, too: a budget may change their number, which a replay does not know. */
+ * may be chosen, too: a budget may change their number, which a replay does not know. */
 static void choose(smr_occluded_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);

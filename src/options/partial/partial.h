@@ -235,8 +235,8 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
 smr_vec smr_occluded_field_follow(const smr_occluded_field *f, uint32_t v);
 /* Adds the field's displacement along the surface to *displacement, mm, and averages with the field by visibility. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement);
-/* Averages *displacement, mm, of a vertex without a goal, with the field's. The field gets more weight as the nearest
- * landmark becomes nearer than the nearest visible control. */
+/* Averages *displacement, mm, of a vertex without a goal, with the field's, whose weight is c / (c + l). c, l: squared
+ * distances to the nearest visible control and to the nearest landmark. */
 void smr_occluded_field_fill(const smr_occluded_field *f, uint32_t v, smr_vec *displacement);
 /* While images are tracked: a vertex with an image goal moves along the surface with the field, every other vertex
  * with the field alone. found: result of the image search. Returns SMR_NO_GOAL for an outlier. */

@@ -116,8 +116,7 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
-/* Returns the share of vertices with a target that have a goal without the image. Goals from the image count, except
- * where it completed a partial view. */
+/* Returns the share of vertices with a target that have a goal, but not from an image that completes a partial view. */
 static float share_without_image(const smr *s)
 {
     const smr_surface_goals *g = &s->forces.surface;

@@ -36,8 +36,7 @@ uint32_t smr_fold_find_tasks(const void *arg)
 #define SMR_WORK_DIHEDRAL 30u /* instructions at most for a dihedral edge that does not bend, ... */
 #define SMR_WORK_BENT 400u    /* ... and for a dihedral edge that bends */
 
-/* Counts in *tally the dihedral edges from .. to - 1 that fold or must be limited, by the triangles' normals at x_next.
- * Returns the number of edges that bend. */
+/* Counts in *tally edges from .. to - 1 that fold or must be limited at x_next. Returns the number of bent edges. */
 static uint32_t find(const smr_folds *f, uint32_t from, uint32_t to, smr_tally *tally)
 {
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);

@@ -71,8 +71,7 @@ static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
     }
 }
 
-/* Adds one triangle to the weighted sums of mesh neighbours' displacements. Near neighbours have larger weights, so
- * that the corners of a sliver move alike. */
+/* Adds a triangle to the sums of neighbours' displacements. Near neighbours weigh more: slivers' corners move alike. */
 static void sum_ring(smr_folds *f, const uint32_t *t)
 {
     smr_vec at[3], moved[3];

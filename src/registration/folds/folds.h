@@ -65,7 +65,7 @@ typedef struct smr_folds {
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
 void smr_folds_reset(smr_folds *f); /* clears the passes when an iteration is complete or abandoned */
-int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* 1: folds are searched for at this radius */
+int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* returns 1 where folds are searched for */
 
 smr_count_tasks smr_fold_find_tasks;
 smr_run_task smr_fold_find;
