@@ -72,9 +72,6 @@ typedef struct smr_stored_dihedral {
 #define SMR_DIHEDRAL_OPEN (-0.4f)   /* cosine: edges with limits above this were bent by at most 90 degrees at rest */
 #define SMR_DIHEDRAL_UNIT 200.0f    /* codes per unit of cosine: cosine = code / 200 - 1 */
 
-/* Returns the cosine between the normals of the two triangles below which the edge counts as folded. */
-static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
-
 typedef struct smr_stored_radius {
     uint32_t radius;   /* float, mm: radius of the clusters */
     uint32_t reach;    /* float, mm: largest distance from a cluster's own vertex to a vertex of the cluster */

@@ -167,7 +167,7 @@ void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control,
         if (smr_blends(f->shape))
             add_references(f, k, v);
     }
-    /* the prior variance of the shapes' motions is 1 / prior of their mean variance; weights stay in tracking */
+    /* prior variance of a weight: 1 / (prior * mean square of the references' motions); constant while tracking */
     if (last == f->n && smr_blends(f->shape) && !f->schedule->tracking)
         f->unit = (float)f->n / (SMR_MOTION_VARIANCE * f->shared->config.references.prior * f->apart2);
 }

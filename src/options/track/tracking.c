@@ -13,7 +13,7 @@
 #define SMR_TRACK_SOUGHT 0.5f    /* mean distance of goals / image search distance above which targets jumped */
 #define SMR_TRACK_FEWER 0.8f     /* share of vertices with goals / last share below which half the distance is a jump */
 #define SMR_TRACK_LOST 0.9f      /* SMR_TRACK_FEWER with an image, where vertices may find wrong goals nearby */
-#define SMR_TRACK_NARROWING 0.5f /* share of a target's iterations, the first ones, in which image searches narrow */
+#define SMR_TRACK_NARROWING 0.5f /* number of first iterations in which image searches narrow / track.iterations */
 #define SMR_TRACK_COARSE 24u     /* number of iterations at all coarser radii together after a jump */
 #define SMR_TRACK_STILL 0.2f     /* displacement / (stiffness * typical residual) below which the model rests */
 #define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum at radii after a jump: with more the model oscillates */

@@ -108,7 +108,10 @@ static inline uint32_t smr_edge_second(const smr_folds *f, const smr_stored_dihe
 {
     return smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, f->shared->n_triangles);
 }
-static inline float smr_edge_limit(const smr_stored_dihedral *h) { return smr_dihedral_limit(smr_le32(h->bend)); }
+static inline float smr_edge_limit(const smr_stored_dihedral *h)
+{
+    return (float)(smr_le32(h->bend) >> 24) / SMR_DIHEDRAL_UNIT - 1.0f;
+}
 static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_limit(h) > SMR_DIHEDRAL_OPEN; }
 
 /* Returns the cosine of the angle between the normals of an edge's triangles, with vertices at x [n][3]. */
