@@ -33,24 +33,6 @@ static float angle_at(const smr_box_tree *f, const smr_near *near)
     return angle_of(smr_dot(a, b));
 }
 
-/* Returns the weighted height of p above the triangles at the closest point, positive outside. Two equally close
- * triangles share an edge and have equal weight; more share a corner and are weighted by their angles. */
-static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *list, float d2)
-{
-    const float tie = d2 * SMR_SIDE_TIE + SMR_SIDE_ZERO;
-    float height = 0.0f;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < list->n; i++)
-        n += list->item[i].d2 <= tie;
-    for (uint32_t i = 0; i < list->n; i++) {
-        const smr_near *near = &list->item[i];
-        const smr_vec r = smr_sub(p, smr_triangle_point(f, near->triangle, near->weight));
-        if (near->d2 <= tie)
-            height += smr_dot(r, smr_get3(f->normal, near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
-    }
-    return height;
-}
-
 int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_pause *pause,
                         smr_side *side)
 {
@@ -58,8 +40,13 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
     smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};
     smr_near_list list;
     smr_vec from = smr_v(0, 0, 0), along = from;
+    float height = 0.0f; /* weighted height of the point above the triangles at the closest point, positive outside */
+    uint32_t n_ties = 0;
     if (!smr_tree_near(f, q, &hit, &list, &known) || hit.triangle == SMR_NONE)
         return 0;
+    const float tie = hit.d2 * SMR_SIDE_TIE + SMR_SIDE_ZERO, distance = SMR_SQRT(hit.d2);
+    for (uint32_t i = 0; i < list.n; i++)
+        n_ties += list.item[i].d2 <= tie;
     for (uint32_t i = 0; i < list.n; i++) {
         const smr_near *near = &list.item[i];
         const smr_vec r = smr_sub(q->point, smr_triangle_point(f, near->triangle, near->weight));
@@ -67,8 +54,10 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
         const smr_corner_values at =
             smr_corners_of(normal, smr_triangle_of(f->triangle, near->triangle, f->n_vertices));
         along = smr_add(along, smr_scale(smr_corners_mean(at, near->weight), near->share));
+        if (near->d2 <= tie) /* two triangles share an edge and weigh alike; more share a corner and weigh by angles */
+            height += smr_dot(r, smr_get3(f->normal, near->triangle)) * (n_ties > 2u ? angle_at(f, near) : 1.0f);
     }
-    const float sign = height_of(f, q->point, &list, hit.d2) < 0.0f ? -1.0f : 1.0f, distance = SMR_SQRT(hit.d2);
+    const float sign = height < 0.0f ? -1.0f : 1.0f;
     const smr_vec direction = smr_add(smr_scale(from, sign), smr_scale(along, SMR_SIDE_NEAR));
     if (pause != NULL)
         smr_work(pause, list.n * SMR_WORK_SIDE);

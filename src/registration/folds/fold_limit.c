@@ -93,7 +93,7 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
     smr_fold_limit *l = &f->limit;
     smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const uint32_t round = l->round, n = f->shared->n_triangles;
+    const uint32_t round = l->round;
     const uint32_t piece = (uint32_t)1 << (from % SMR_DIHEDRAL_CHUNK / SMR_LOOK_CHUNK);
     uint32_t n_near = 0; /* number of edges with a touched run */
     if (tally->folds.n_touched != f->n_touched)
@@ -103,8 +103,7 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
         return;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = dihedral + i;
-        const uint32_t first = smr_index(smr_le32(h->first), n);
-        const uint32_t second = smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, n);
+        const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
         const int near = smr_run_touched(f, first) || smr_run_touched(f, second);
         n_near += (uint32_t)near;
         if (round > 0u &&
