@@ -45,7 +45,6 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
 void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
 {
     const smr_config *c = &shared->config;
-    d->shared = shared;
     d->step_s = 0.001f * c->dynamics.step_ms;
     d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
     d->springs = c->dynamics.elastic * d->step_s * d->step_s * d->keeps;

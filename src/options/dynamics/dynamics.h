@@ -44,7 +44,6 @@ typedef struct smr_step_sums {
 } smr_step_sums;
 
 typedef struct smr_dynamics {
-    const smr_shared *shared;
     float step_s;  /* h: length of a time step, s */
     float keeps;   /* 1 / (1 + h c): factor by which the damping c scales velocities in a time step */
     float springs; /* keeps * k h^2: elastic stiffness k, damped / inertial stiffness 1 / h^2 */

@@ -21,7 +21,6 @@ typedef struct smr_tangent_smooth {
 typedef struct smr_evolve {
     const smr_shared *shared;
     const smr_shape *shape;
-    const smr_forces *forces;
     const smr_reference *reference;
     const smr_sums *sums;
     smr_tangent_smooth tangent_smooth;

@@ -14,7 +14,6 @@ typedef struct smr_sums {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_forces *forces;
-    smr_tally *tally;
     uint32_t *record; /* [n][SMR_WORDS] fixed-point values of each vertex that are summed */
     uint32_t *sum;    /* [n][SMR_WORDS] sum of the records of all vertices of the vertex' cluster */
     float scale[2];   /* scales of the two kinds of quantities: stored = value * scale */
