@@ -108,12 +108,11 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
 /* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
-void smr_plan_order(smr_plan *p);      /* numbers vertices and triangles: curve_numbering.c */
-void smr_plan_neighbours(smr_plan *p); /* lists mesh neighbours: mesh_measures.c */
-void smr_plan_mass(smr_plan *p);       /* computes the vertices' masses: mesh_measures.c */
-void smr_plan_dihedrals(smr_plan *p);  /* lists edges of two triangles: fold_dihedrals_prepare.c */
-smr_status
-smr_plan_profiles(smr_plan *p); /* samples profiles: intensity_profiles_prepare.c; errors of smr_grid_open() */
+void smr_plan_order(smr_plan *p);          /* numbers vertices and triangles: curve_numbering.c */
+void smr_plan_neighbours(smr_plan *p);     /* lists mesh neighbours: mesh_measures.c */
+void smr_plan_mass(smr_plan *p);           /* computes the vertices' masses: mesh_measures.c */
+void smr_plan_dihedrals(smr_plan *p);      /* lists edges of two triangles: fold_dihedrals_prepare.c */
+smr_status smr_plan_profiles(smr_plan *p); /* samples intensity profiles; errors of smr_grid_open() */
 /* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
