@@ -63,6 +63,15 @@ static inline float smr_positive(float a)
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
+/* Returns 1 when all n values are within +-most; 0 with a NaN among the values. */
+static inline int smr_all_within(const float *value, size_t n, float most)
+{
+    int outside = 0;
+    for (size_t i = 0; i < n; i++)
+        outside |= !smr_within(value[i], most);
+    return !outside;
+}
+
 /* Types of the functions that return a stage's number of tasks, and that run a task. stage: struct of step or stage. */
 typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);

@@ -8,7 +8,6 @@
 #include "base/job.h"
 #include "carry/carry.h"
 #include "geometry/box_tree/hilbert_curve.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part / diagonal of the rest shape's box */
 #define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part / mean distance of successive vertices on the curve */

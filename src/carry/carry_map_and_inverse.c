@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_CARRY_STARTS 4u    /* number of vertices from which the search for the inverse starts */
 #define SMR_CARRY_ROUNDS 30u   /* largest number of Newton steps from each start */

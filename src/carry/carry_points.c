@@ -4,7 +4,6 @@
 #include "base/bytes.h"
 #include "carry/carry.h"
 #include "geometry/rotation/similarity_fit.h"
-#include "geometry/surface/mesh.h"
 
 /* A call in tasks of SMR_CARRY_CHUNK points. */
 typedef struct chunks {

@@ -105,8 +105,5 @@ int smr_system_solve(const smr_system *s)
         for (size_t i = 0; i < values; i++)
             s->x[i] += s->residual[i];
     }
-    int finite = 1;
-    for (size_t i = 0; i < values; i++)
-        finite &= smr_within(s->x[i], FLT_MAX);
-    return finite;
+    return smr_all_within(s->x, values, FLT_MAX);
 }

@@ -8,7 +8,6 @@
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
 #include "options/references/references.h"
 

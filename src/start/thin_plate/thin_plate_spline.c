@@ -15,7 +15,6 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/linear_solve/thin_plate_solve.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
 #define SMR_WARP_AFFINE 4u      /* number of columns of P: 1 and three coordinates */
