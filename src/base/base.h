@@ -47,7 +47,7 @@ static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
-/* Returns an index i that a fault may have changed, or the last of n when i leads outside. n is at least 1. */
+/* Returns i, or n - 1 when a fault has made the index i of n elements too large. n is at least 1. */
 static inline uint32_t smr_index(uint32_t i, uint32_t n) { return i < n ? i : n - 1u; }
 
 /* Returns a when a is positive, otherwise +0. The function has no branch, so compilers vectorise loops that call it. */
@@ -63,8 +63,16 @@ static inline float smr_positive(float a)
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* Types of the functions of a step or a stage: one returns the number of tasks, one runs a task. stage: the struct that
- * the step or the stage works on. */
+/* Returns 1 when all n values are within +-most; 0 with a NaN among the values. */
+static inline int smr_all_within(const float *value, size_t n, float most)
+{
+    int outside = 0;
+    for (size_t i = 0; i < n; i++)
+        outside |= !smr_within(value[i], most);
+    return !outside;
+}
+
+/* Types of the functions that return a stage's number of tasks, and that run a task. stage: struct of step or stage. */
 typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 

@@ -38,6 +38,14 @@ static inline uint32_t smr_float_bits(float v)
     return bits;
 }
 
+/* Returns the signed number that a wrapped 32-bit word represents. */
+static inline int32_t smr_signed(uint32_t word)
+{
+    int32_t value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
 /* Returns a 64-bit hash of z: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static inline uint64_t smr_mix(uint64_t z)
 {
@@ -48,8 +56,7 @@ static inline uint64_t smr_mix(uint64_t z)
 
 /* Returns the CRC-32 (IEEE 802.3, reflected) of the n bytes at data. crc: CRC-32 of the bytes before them, or 0. */
 uint32_t smr_crc32(uint32_t crc, const void *data, size_t n);
-/* Returns a checksum of the n bytes at data, behind bytes with the checksum `sum`. In this host's memory
- * only: it depends on the order of bytes. A change of one word always changes the checksum. */
+/* Returns this host's checksum of n bytes behind bytes with the checksum `sum`. A change of a word changes the sum. */
 uint32_t smr_byte_sum(uint32_t sum, const void *data, size_t n);
 
 #endif

@@ -36,12 +36,7 @@ static inline uint32_t smr_fixed(float v)
 }
 
 /* Returns a final sum as a float: the signed value of `sum` times inverse_scale. */
-static inline float smr_unfix(uint32_t sum, float inverse_scale)
-{
-    int32_t v;
-    memcpy(&v, &sum, sizeof v);
-    return (float)v * inverse_scale;
-}
+static inline float smr_unfix(uint32_t sum, float inverse_scale) { return (float)smr_signed(sum) * inverse_scale; }
 
 /* Returns the three sums at `sum` as a vector of floats: their signed values times inverse_scale. */
 static inline smr_vec smr_unfix3(const uint32_t *sum, float inverse_scale)

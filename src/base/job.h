@@ -7,16 +7,16 @@
 
 #include "base/base.h"
 
-/* A stage: n_tasks tasks, each of at most about 100,000 instructions. Functions get the job. */
+/* A stage of tasks of at most about 100,000 instructions each. All functions get the job. */
 typedef struct smr_stage {
-    smr_count_tasks *n_tasks; /* number of tasks, 0: no stage; NULL: one */
+    smr_count_tasks *n_tasks; /* returns the number of tasks, 0: the stage is skipped; NULL: one task */
     smr_run_task *run;
     smr_count_tasks
-        *abreast; /* task t keeps its result in place t % abreast, until `end`; NULL: all tasks have places */
+        *abreast; /* returns n: task t keeps its result in place t % n until `end`; NULL: as many as tasks */
     void (*end)(void *job, uint32_t first, uint32_t last); /* takes the results of tasks first .. last-1; NULL: none */
 } smr_stage;
 
-uint32_t smr_in_order(const void *job); /* for `abreast`: returns 1, so that tasks run one after the other */
+uint32_t smr_in_order(const void *job); /* returns 1: as `abreast`, tasks run one after the other */
 
 /* The first member of each kind of job. */
 typedef struct smr_job_head {

@@ -7,7 +7,7 @@
 
 #include "base/arena.h"
 
-/* Modes of a keeper: what happens to saved values. No slot is placed in any of these modes. */
+/* Modes of a keeper. No slot is placed in any mode. */
 enum {
     SMR_KEEP_COUNT = 1, /* count the bytes of all values */
     SMR_KEEP_SAVE,      /* check each value and write it to `to` */
@@ -31,7 +31,7 @@ extern const smr_keep_calls smr_keep_all;
 typedef struct smr_keeper {
     const smr_keep_calls *calls;
     void (*fields)(smr_arena *a, smr *s); /* passes all saved struct fields to smr_keep_...() */
-    uint32_t mode;                        /* SMR_KEEP_... */
+    uint32_t mode;                        /* SMR_KEEP_...: whether values are counted, saved, checked or restored */
     uint32_t wrong;            /* 1: a value was outside the legal range, or the saved bytes ended too early */
     uint32_t plan;             /* checksum of the counts, kinds and ranges of the values listed so far */
     unsigned char *to;         /* [bytes] memory that a save writes */
@@ -52,7 +52,7 @@ uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most)
 void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most);
 void smr_keep_floats(smr_arena *a, float *field, size_t count, float least, float most);
 void smr_keep_long(smr_arena *a, uint64_t *field);
-void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* legal: a similarity, entries within +-most */
+void smr_keep_pose(smr_arena *a, smr_pose *pose, float most); /* saves a pose; legal: a similarity within +-most */
 void smr_keep_require(smr_arena *a, int legal);               /* marks the save as wrong unless `legal` is 1 */
 
 #endif

@@ -35,7 +35,7 @@ static int products_are(const float *a, const float *b, uint32_t bits)
  * which a float loses. Each product has its own inputs, because compilers do not fuse a product that is used twice. */
 static int fused(void)
 {
-    const float x = 1.000244140625f, z = number(1.00048828125f), lost = 5.9604644775390625e-8f; /* lost: 2^-24 */
+    const float x = 1.000244140625f, z = number(1.00048828125f), lost = 5.9604644775390625e-8f; /* lost = 2^-24 */
     const float less = number(x) * number(x) - z, more = z - number(x) * number(x);
     const float sum = number(x) * number(x) + -z;
     return less == lost || more == -lost || sum == lost;

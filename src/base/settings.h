@@ -6,7 +6,7 @@
 
 #include "base/base.h"
 
-#define SMR_PRIOR 300.0f /* default of references.prior */
+#define SMR_PRIOR 300.0f /* default of the setting references.prior */
 
 enum { SMR_ENDS_CLOSED = 0, SMR_ENDS_OPEN, SMR_ENDS_OR_ZERO };
 

@@ -19,7 +19,7 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
-/* Read (get) and write (put) the three floats of element i of an array [n][3]. */
+/* Read (get), write (put) and, below, increase (add) the three floats of element i of an array [n][3]. */
 static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
 static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
 
@@ -27,6 +27,7 @@ static inline smr_vec smr_add(smr_vec a, smr_vec b) { return smr_v(a.x + b.x, a.
 static inline smr_vec smr_sub(smr_vec a, smr_vec b) { return smr_v(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline smr_vec smr_scale(smr_vec a, float s) { return smr_v(a.x * s, a.y * s, a.z * s); }
 static inline float smr_dot(smr_vec a, smr_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline void smr_add3(float *array, uint32_t i, smr_vec a) { smr_put3(array, i, smr_add(smr_get3(array, i), a)); }
 
 static inline smr_vec smr_cross(smr_vec a, smr_vec b)
 {
@@ -34,6 +35,13 @@ static inline smr_vec smr_cross(smr_vec a, smr_vec b)
 }
 
 static inline float smr_length(smr_vec a) { return SMR_SQRT(smr_dot(a, a)); }
+
+/* Returns the squared distance between the points a and b. */
+static inline float smr_distance2(smr_vec a, smr_vec b)
+{
+    const smr_vec d = smr_sub(a, b);
+    return smr_dot(d, d);
+}
 
 /* Returns a / |a|; 0 when |a| <= 1e-15. */
 static inline smr_vec smr_unit(smr_vec a)
@@ -80,6 +88,14 @@ static inline smr_vec smr_high(smr_vec a, smr_vec b)
 
 /* Returns column c, 0 .. 3, of the pose's 3x4 matrix. */
 static inline smr_vec smr_column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
+
+/* Returns the vector a rotated and scaled by the pose, without the pose's translation. */
+static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
+{
+    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
+                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
+                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
+}
 
 /* Returns the point a, mm, moved by the pose. */
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)

@@ -30,7 +30,7 @@ typedef struct smr_carry_thin {
 /* The vertices near a point, the nearest one first, and the equations of their coefficients. Scratch of one worker. */
 typedef struct smr_carry_site {
     uint32_t n;                           /* number of vertices near the point */
-    uint32_t id[SMR_CARRY_NEAR];          /* number of each vertex in the order of the Hilbert curve */
+    uint32_t id[SMR_CARRY_NEAR];          /* index of each vertex on the Hilbert curve */
     float x[3][SMR_CARRY_NEAR];           /* x, y and z of the rest positions, mm from smr_carry.centre */
     float noise_variance[SMR_CARRY_NEAR]; /* noise variance of each vertex' residual; 0: the nearest vertex */
     float far[SMR_CARRY_NEAR];            /* loss of covariance g of each vertex' distance to the nearest vertex */
@@ -50,16 +50,16 @@ struct smr_carry {
     float per_smooth; /* 1 / range of the covariance's smooth part, 1 / mm */
     float per_rough;  /* 1 / range of the covariance's rough part, 1 / mm */
     float *rest;      /* [n_vertices][3] rest positions in the order of the Hilbert curve, mm from `centre` */
-    uint32_t *item;   /* [n_vertices] caller's number of each vertex, in the order of the Hilbert curve */
+    uint32_t *item;   /* [n_vertices] caller's index of each vertex, in the order of the Hilbert curve */
     smr_carry_thin thin[SMR_CARRY_DENSITIES];
     smr_carry_site *site; /* [port.n_workers] scratch of each worker */
-    uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's numbers of vertices near a point; unused: the first one */
+    uint32_t *near; /* [n_points][SMR_CARRY_NEAR] caller's indexes of vertices near a point; unused: the first one */
     float *coefficient; /* [n_points][SMR_CARRY_NEAR] coefficients c_k of the vertices in `near`; unused ones are 0 */
     float *rest_part;   /* [n_points][4] p - sum c_k r_k, mm, and 1 - sum c_k: the parts that T maps */
     uint32_t guard;     /* last: smr_byte_sum() of all members before, which hold pointers and counts */
 };
 
-/* Returns the caller's number of a vertex in the order of the Hilbert curve, also after a fault < n_vertices. */
+/* Returns the caller's index of the vertex with index id on the Hilbert curve; < n_vertices also after a fault. */
 static inline uint32_t smr_carry_item(const smr_carry *c, uint32_t id)
 {
     return smr_index(c->item[smr_index(id, c->n_vertices)], c->n_vertices);
@@ -74,7 +74,7 @@ void smr_carry_boxes(const smr_carry_thin *thin, const float *rest, uint32_t fir
 typedef struct smr_carry_nearest {
     smr_vec p;                        /* position of the point, mm */
     uint32_t n, most;                 /* number of vertices found; largest number that the list keeps */
-    uint32_t id[SMR_CARRY_NEAR + 1u]; /* number of each vertex in the order of the Hilbert curve */
+    uint32_t id[SMR_CARRY_NEAR + 1u]; /* index of each vertex on the Hilbert curve */
     float d2[SMR_CARRY_NEAR + 1u];    /* squared distance of each vertex from p, mm^2 */
 } smr_carry_nearest;
 
@@ -103,12 +103,23 @@ void smr_carry_factor(smr_carry_site *s, uint32_t first, uint32_t last);
 void smr_carry_solve(const smr_carry_site *s, float *b);
 /* Writes side[1 .. n-1], the equations' right-hand side for point p. Returns g of the nearest vertex' distance. */
 float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s);
-/* Returns the similarity T that fits rest positions, mm from c->centre, to present positions now[n_vertices][3], mm. */
-smr_pose smr_carry_trend(const smr_carry *c, const float *now);
-/* Checks the arguments of smr_carry_apply(). Returns SMR_OK, E_NULL, E_STATE, E_DAMAGED or E_INPUT. */
+
+/* A call that computes the positions of n points, in parallel. */
+typedef struct smr_carry_call {
+    smr_carry *c;
+    const float *now;      /* [n_vertices][3] present positions in the caller's order, mm */
+    float *out;            /* [n][3] computed positions of the points, mm */
+    uint32_t n;            /* number of points */
+    const float *xyz;      /* [n][3] points to map, mm; NULL: the points are bound */
+    uint32_t inverse;      /* 1: the inverse of the map is computed; 0: the map */
+    smr_carry_fact *facts; /* [n] miss and volume change of each point; NULL: not wanted */
+    smr_pose trend;        /* similarity T that fits rest positions, mm from c->centre, to present positions */
+} smr_carry_call;
+
+/* Checks the carrying and present positions of a call. Returns SMR_OK, E_NULL, E_STATE, E_DAMAGED or E_INPUT. */
 smr_status smr_carry_check(const smr_carry *c, const float *now);
-/* Calls each(arg, a worker's scratch, i) for points i = 0 .. n-1. Returns E_STATE when the port broke its contract. */
-typedef void smr_carry_each(const void *arg, smr_carry_site *s, uint32_t i);
-smr_status smr_carry_run(smr_carry *c, smr_carry_each *each, const void *arg, uint32_t n);
+/* Computes call->trend, and calls each(call, scratch of a worker, i) for each point i. Errors: E_STATE (port). */
+typedef void smr_carry_each(const smr_carry_call *call, smr_carry_site *s, uint32_t i);
+smr_status smr_carry_run(smr_carry_call *call, smr_carry_each *each);
 
 #endif

@@ -8,27 +8,26 @@
 #include "base/job.h"
 #include "carry/carry.h"
 #include "geometry/box_tree/hilbert_curve.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_CARRY_SMOOTH_SHARE 0.75f /* range of the covariance's smooth part / diagonal of the rest shape's box */
 #define SMR_CARRY_ROUGH_STEPS 1.0f   /* range of the rough part / mean distance of successive vertices on the curve */
 #define SMR_CARRY_LEAST 1.0e-6f      /* least diagonal of the box, mm; least range of the rough part / diagonal */
-#define SMR_CARRY_PIECE 96u          /* vertices or points in a task that visits them */
-#define SMR_CARRY_BOXES 4u           /* nodes in a task that fits boxes */
-#define SMR_CARRY_PARTS 5u           /* tasks that bind a point */
+#define SMR_CARRY_PIECE 96u          /* number of vertices or points that a task visits */
+#define SMR_CARRY_BOXES 4u           /* number of nodes whose boxes a task fits */
+#define SMR_CARRY_PARTS 5u           /* number of tasks that together bind a point */
 
-/* smr_carry_fit() in progress. */
+/* A call of smr_carry_fit() in progress. */
 typedef struct binding {
     smr_job_head head;
     smr_carry *c;
-    smr_carry **carry;              /* the caller's */
+    smr_carry **carry;              /* where the caller wants the address of the map */
     uint32_t *key;                  /* [n_vertices] sort key of each vertex: place along the Hilbert curve */
     uint32_t *tmp;                  /* [2 n_vertices] scratch of the sort by `key` */
-    const float *rest, *points;     /* [n_vertices][3] and [n_points][3], the caller's, mm */
+    const float *rest, *points;     /* [n_vertices][3] and [n_points][3] the caller's positions, mm */
     smr_box box;                    /* box around the rest positions checked so far, mm */
     float diagonal, steps;          /* diagonal of the box; sum of the distances along the curve so far, mm */
-    uint32_t whole;                 /* 1: the call has no pieces, a task binds a point */
-    uint32_t count[SMR_SORT_BYTES]; /* of the sort */
+    uint32_t whole;                 /* 1: a task binds a whole point; 0: a task does a part of the work on a point */
+    uint32_t count[SMR_SORT_BYTES]; /* scratch of the sort: numbers of keys with each byte */
 } binding;
 
 _Static_assert(sizeof(binding) <= SMR_JOB_BYTES, "a binding in progress lies in the caller's job");
@@ -228,7 +227,7 @@ static void write_point(const binding *b, uint32_t i, smr_carry_site *s)
  * parts of about equal work, the last with the point's results. */
 static void bind_part(const binding *b, uint32_t i, uint32_t part, smr_carry_site *s)
 {
-    static const uint32_t first[] = {0, 0, 0, 7, 17, SMR_CARRY_NEAR}; /* column of each part */
+    static const uint32_t first[] = {0, 0, 0, 7, 17, SMR_CARRY_NEAR}; /* first column of the factor in each part */
     if (part == 0u)
         smr_carry_gather(b->c, smr_sub(smr_get3(b->points, i), b->c->centre), s);
     if (part == 1u)

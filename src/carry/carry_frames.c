@@ -5,7 +5,6 @@
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 #include "geometry/rotation/similarity_fit.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_FRAME_SIDE 0.57735027f /* 1 / sqrt(3): coordinate of a tetrahedron's corners at distance 1 */
 

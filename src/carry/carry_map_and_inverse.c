@@ -4,25 +4,12 @@
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
-#include "geometry/rotation/similarity_fit.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_CARRY_STARTS 4u    /* number of vertices from which the search for the inverse starts */
 #define SMR_CARRY_ROUNDS 30u   /* largest number of Newton steps from each start */
 #define SMR_CARRY_HALVINGS 6u  /* largest number of times that a Newton step is halved */
 #define SMR_CARRY_MET 2.0e-4f  /* mm: |F(p) - q| at which p counts as the inverse of q; near coordinates' rounding */
 #define SMR_CARRY_FLAT 1.0e-3f /* determinant of a matrix at or below which undo() does not invert the matrix */
-
-/* Arguments of smr_carry_map(), which all tasks share. */
-typedef struct job {
-    smr_carry *c;
-    const float *now;      /* [n_vertices][3] present positions in the caller's order, mm */
-    smr_pose trend;        /* similarity T from rest to present positions */
-    const float *xyz;      /* [n][3] points to map, mm */
-    uint32_t inverse;      /* 1: the inverse of the map is computed; 0: the map */
-    float *out;            /* [n][3] mapped points, mm */
-    smr_carry_fact *facts; /* [n] miss and volume change of each point; NULL: not wanted */
-} job;
 
 /* The map F and its derivative at a point p. */
 typedef struct value {
@@ -31,13 +18,13 @@ typedef struct value {
 } value;
 
 /* Returns the residual of a vertex, mm: the present position minus the rest position mapped by T. */
-static smr_vec residual(const job *j, uint32_t id)
+static smr_vec residual(const smr_carry_call *j, uint32_t id)
 {
     return smr_sub(smr_get3(j->now, smr_carry_item(j->c, id)), smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
 /* Sets s->weight, the equations' solution for the vertices' residuals. Returns the nearest vertex' residual, mm. */
-static smr_vec weigh(const job *j, smr_carry_site *s)
+static smr_vec weigh(const smr_carry_call *j, smr_carry_site *s)
 {
     const smr_vec first = residual(j, s->id[0]);
     for (uint32_t i = 1; i < s->n; i++) {
@@ -62,7 +49,7 @@ static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uin
 }
 
 /* Returns F(p) and its derivative at p. The derivative takes noise variances as constant, though they change with p. */
-static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
+static value evaluate(const smr_carry_call *j, smr_carry_site *s, smr_vec p)
 {
     const smr_carry *c = j->c;
     value v;
@@ -102,15 +89,15 @@ static smr_vec undo(const float m[9], smr_vec v)
 }
 
 /* Returns the SMR_CARRY_STARTS vertices of the thinnest selection whose present positions are nearest to q, mm. */
-static smr_carry_nearest starts(const job *j, smr_vec q)
+static smr_carry_nearest starts(const smr_carry_call *j, smr_vec q)
 {
     const smr_carry_thin *t = &j->c->thin[j->c->n_densities - 1u];
     smr_carry_nearest f = {.p = q, .most = SMR_CARRY_STARTS};
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t v = t->first + i * t->stride;
-        const smr_vec d = smr_sub(smr_get3(j->now, smr_carry_item(j->c, v)), q);
-        if (f.n < f.most || smr_dot(d, d) < f.d2[f.n - 1u])
-            smr_carry_insert(&f, v, smr_dot(d, d));
+        const float d2 = smr_distance2(smr_get3(j->now, smr_carry_item(j->c, v)), q);
+        if (f.n < f.most || d2 < f.d2[f.n - 1u])
+            smr_carry_insert(&f, v, d2);
     }
     return f;
 }
@@ -123,7 +110,7 @@ typedef struct found {
 } found;
 
 /* Returns p, limited to legal coordinates, as a candidate with F(p), dF/dp and the distance from F(p) to q, mm. */
-static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)
+static found look(const smr_carry_call *j, smr_carry_site *s, smr_vec p, smr_vec q)
 {
     const float most = 4.0f * SMR_COORD_MAX;
     found f;
@@ -134,7 +121,7 @@ static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)
 }
 
 /* Moves the candidate *best by damped Newton steps until F(best->p) is near q or no step comes nearer. */
-static void descend(const job *j, smr_carry_site *s, smr_vec q, found *best)
+static void descend(const smr_carry_call *j, smr_carry_site *s, smr_vec q, found *best)
 {
     for (uint32_t round = 0; round < SMR_CARRY_ROUNDS && best->miss > SMR_CARRY_MET; round++) {
         smr_vec step = undo(best->v.gradient, smr_sub(q, best->v.at));
@@ -149,7 +136,7 @@ static void descend(const job *j, smr_carry_site *s, smr_vec q, found *best)
     }
 }
 
-static found invert(const job *j, smr_carry_site *s, smr_vec q)
+static found invert(const smr_carry_call *j, smr_carry_site *s, smr_vec q)
 {
     const smr_carry_nearest start = starts(j, q);
     found best = {smr_v(0, 0, 0), {smr_v(0, 0, 0), {0}}, SMR_FAR};
@@ -167,9 +154,8 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
 }
 
 /* Writes the image of point i under the map, or under the inverse, and the facts on the point. */
-static void map(const void *arg, smr_carry_site *s, uint32_t i)
+static void map(const smr_carry_call *j, smr_carry_site *s, uint32_t i)
 {
-    const job *j = arg;
     const smr_vec p = smr_get3(j->xyz, i);
     const found f = j->inverse ? invert(j, s, p) : look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
     smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
@@ -185,6 +171,6 @@ smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, c
     SMR_TRY((xyz == NULL || out == NULL) && n > 0u ? SMR_E_NULL : smr_carry_check(carry, now));
     if (inverse > 1u || n > SMR_VERTICES_MAX || !smr_all_within(xyz, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
-    const job j = {carry, now, smr_carry_trend(carry, now), xyz, inverse, out, facts};
-    return smr_carry_run(carry, map, &j, n);
+    smr_carry_call call = {.c = carry, .now = now, .out = out, .n = n, .xyz = xyz, .inverse = inverse, .facts = facts};
+    return smr_carry_run(&call, map);
 }

@@ -70,8 +70,7 @@ static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t g
 {
     const uint32_t end = smr_min_u32(t->n, (group + 1u) * SMR_TREE_WIDTH);
     for (uint32_t i = group * SMR_TREE_WIDTH; i < end; i++) {
-        const smr_vec d = smr_sub(smr_load(vertex(t, rest, i)), f->p);
-        const float d2 = smr_dot(d, d);
+        const float d2 = smr_distance2(smr_load(vertex(t, rest, i)), f->p);
         const uint32_t id = t->first + i * t->stride;
         if (f->n < f->most || d2 < bound_of(f) || (!(d2 > bound_of(f)) && id < f->id[f->n - 1u]))
             smr_carry_insert(f, id, d2);

@@ -4,39 +4,22 @@
 #include "base/bytes.h"
 #include "carry/carry.h"
 #include "geometry/rotation/similarity_fit.h"
-#include "geometry/surface/mesh.h"
 
-/* Arguments of smr_carry_apply(), which moves bound points. */
-typedef struct motion {
-    smr_carry *c;
-    const float *now; /* [n_vertices][3] present positions in the caller's order, mm */
-    smr_pose trend;   /* similarity T from rest to present positions */
-    float *out;       /* [n_points][3] present positions of the points, mm */
-} motion;
-
-/* Arguments of smr_carry_run(), whose tasks handle SMR_CARRY_CHUNK points each. */
+/* A call in tasks of SMR_CARRY_CHUNK points. */
 typedef struct chunks {
-    smr_carry *c;
+    const smr_carry_call *call;
     smr_carry_each *each; /* function that is called for each point */
-    const void *arg;      /* first argument of each() */
-    uint32_t n;           /* number of points */
 } chunks;
 
 static void run_chunk(void *arg, uint32_t task, uint32_t worker)
 {
     const chunks *a = arg;
-    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(a->n, first + SMR_CARRY_CHUNK);
+    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(a->call->n, first + SMR_CARRY_CHUNK);
     for (uint32_t i = first; i < end; i++)
-        a->each(a->arg, &a->c->site[worker], i);
+        a->each(a->call, &a->call->c->site[worker], i);
 }
 
-smr_status smr_carry_run(smr_carry *c, smr_carry_each *each, const void *arg, uint32_t n)
-{
-    chunks all = {c, each, arg, n};
-    return smr_fork(&c->port, run_chunk, &all, smr_ceil_div(n, SMR_CARRY_CHUNK)) ? SMR_OK : SMR_E_STATE;
-}
-
-smr_pose smr_carry_trend(const smr_carry *c, const float *now)
+static smr_pose trend_of(const smr_carry *c, const float *now)
 {
     const smr_carry_thin *t = &c->thin[c->n_densities - 1u];
     smr_fit fit;
@@ -46,6 +29,13 @@ smr_pose smr_carry_trend(const smr_carry *c, const float *now)
         smr_fit_add(&fit, smr_get3(c->rest, v), smr_get3(now, smr_carry_item(c, v)), 1.0f);
     }
     return smr_fit_solve(&fit, 1);
+}
+
+smr_status smr_carry_run(smr_carry_call *call, smr_carry_each *each)
+{
+    chunks all = {call, each};
+    call->trend = trend_of(call->c, call->now);
+    return smr_fork(&call->c->port, run_chunk, &all, smr_ceil_div(call->n, SMR_CARRY_CHUNK)) ? SMR_OK : SMR_E_STATE;
 }
 
 smr_status smr_carry_check(const smr_carry *c, const float *now)
@@ -60,9 +50,8 @@ smr_status smr_carry_check(const smr_carry *c, const float *now)
 }
 
 /* Writes the present position of point i, mm. The sum is relative to the nearest vertex, which limits rounding. */
-static void apply(const void *arg, SMR_UNUSED smr_carry_site *s, uint32_t i)
+static void apply(const smr_carry_call *m, SMR_UNUSED smr_carry_site *s, uint32_t i)
 {
-    const motion *m = arg;
     const uint32_t *near = m->c->near + (size_t)SMR_CARRY_NEAR * i;
     const float *coefficient = m->c->coefficient + (size_t)SMR_CARRY_NEAR * i;
     const float *left = m->c->rest_part + 4u * (size_t)i;
@@ -79,6 +68,6 @@ static void apply(const void *arg, SMR_UNUSED smr_carry_site *s, uint32_t i)
 smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz)
 {
     SMR_TRY(xyz == NULL ? SMR_E_NULL : smr_carry_check(carry, now));
-    const motion m = {carry, now, smr_carry_trend(carry, now), xyz};
-    return smr_carry_run(carry, apply, &m, carry->n_points);
+    smr_carry_call call = {.c = carry, .now = now, .out = xyz, .n = carry->n_points};
+    return smr_carry_run(&call, apply);
 }

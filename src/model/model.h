@@ -21,7 +21,7 @@ struct smr_model {
     uint32_t order;             /* SMR_ORDER_...: how the order L of the clusters was chosen */
     uint32_t centre[3];         /* float, mm: origin of rest positions */
     uint32_t edge_mm;           /* float, mm: mean length of mesh edges */
-    uint32_t at_structures;     /* smr_stored_structure [n_structures] */
+    uint32_t at_structures;     /* smr_stored_structure [n_structures]: names and sizes */
     uint32_t at_position;       /* uint32 [n_vertices]: stored vertex of each caller's vertex, structures in a row */
     uint32_t at_original;       /* uint32 [n_vertices]: caller's vertex of each stored vertex */
     uint32_t at_owner;          /* uint16 [n_vertices]: structure of each stored vertex */
@@ -47,7 +47,7 @@ struct smr_model {
 /* Entry of an added section. A library that does not know the kind skips an optional and refuses a required one. */
 typedef struct smr_stored_section {
     uint32_t kind;      /* SMR_SECTION_..., not 0, each kind once */
-    uint32_t flags;     /* SMR_SECTION_REQUIRED or 0 */
+    uint32_t flags;     /* SMR_SECTION_REQUIRED, or 0 for an optional section */
     uint32_t at, bytes; /* offset, behind the previous section; size in bytes */
 } smr_stored_section;
 
@@ -57,7 +57,7 @@ typedef struct smr_stored_section {
 #define SMR_SECTIONS_MAX 64u    /* largest number of additional sections of a model */
 #define SMR_SECTION_REQUIRED 1u /* flag of a section: a library that does not know the kind refuses the model */
 
-/* A structure and its ranges of vertices and triangles, in the caller's numbers counted through all structures. */
+/* A structure and its ranges of vertices and triangles, in the caller's indexes counted through all structures. */
 typedef struct smr_stored_structure {
     char name[SMR_NAME_BYTES];
     uint32_t first_vertex, n_vertices, first_triangle, n_triangles;
@@ -71,9 +71,6 @@ typedef struct smr_stored_dihedral {
 #define SMR_DIHEDRAL_MASK 0xffffffu /* the bits of smr_stored_dihedral.bend that hold the second triangle */
 #define SMR_DIHEDRAL_OPEN (-0.4f)   /* cosine: edges with limits above this were bent by at most 90 degrees at rest */
 #define SMR_DIHEDRAL_UNIT 200.0f    /* codes per unit of cosine: cosine = code / 200 - 1 */
-
-/* Returns the cosine between the normals of the two triangles below which the edge counts as folded. */
-static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
 
 typedef struct smr_stored_radius {
     uint32_t radius;   /* float, mm: radius of the clusters */
@@ -94,7 +91,7 @@ typedef struct smr_stored_radius {
 
 /* Two vertices about a radius apart. Weight in each other's cluster: the lists' 1 or 0, plus share / 256 - 1/2. */
 typedef struct smr_stored_boundary {
-    uint32_t first, second; /* stored vertices */
+    uint32_t first, second; /* indexes of the two stored vertices */
     uint32_t share;         /* correction of the weight, plus 1/2, in units of 1/256: 0 .. SMR_BOUNDARY_UNITS */
 } smr_stored_boundary;
 
@@ -139,6 +136,14 @@ static inline uint32_t smr_index_at(const void *list, uint32_t width, size_t i)
     return width == 2u ? smr_le16(((const uint16_t *)list)[i]) : smr_le32(((const uint32_t *)list)[i]);
 }
 
+/* Returns entry i of the order L as four 32-bit words. */
+static inline smr_entry32 smr_entry_at(const smr_lists *l, size_t i)
+{
+    const uint32_t width = l->index_bytes;
+    return (smr_entry32){smr_index_at(l->entry, width, 4u * i), smr_index_at(l->entry, width, 4u * i + 1u),
+                         smr_index_at(l->entry, width, 4u * i + 2u), smr_index_at(l->entry, width, 4u * i + 3u)};
+}
+
 /* Returns |zeta|, the number of vertices in the cluster of stored vertex v. */
 static inline uint32_t smr_list_count(const smr_lists *l, uint32_t v)
 {
@@ -151,8 +156,8 @@ static inline uint32_t smr_word_at(const smr_model *m, uint32_t at, uint32_t i)
     return smr_index_at(smr_at(m, at), 4, i);
 }
 
-/* Vertices and structures that are read from the model are < the model's numbers, whatever a fault has changed.
- * Stored vertex v: structure, curve position (along), caller's vertex (original). position: stored of caller's i. */
+/* Return the structure, the curve index (along) and the caller's index (original) of stored vertex v; position: the
+ * stored index of the caller's vertex i. All but `along` are legal also after a fault in the model. */
 uint32_t smr_model_owner(const smr_model *m, uint32_t v);
 uint32_t smr_model_position(const smr_model *m, uint32_t i);
 uint32_t smr_model_original(const smr_model *m, uint32_t v);

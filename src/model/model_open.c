@@ -4,9 +4,9 @@
 #include "image/intensity_profile.h"
 #include "model/model.h"
 
-#define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
+#define SMR_RANGE_MAX 2.0e30f /* largest range or absolute low of a profile: twice the largest voxel value */
 #define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of a reference from the mean shape */
-#define SMR_WINDOW 4096u /* vertices checked at a time for having one entry each, a bit each on the stack */
+#define SMR_WINDOW 4096u /* number of vertices, a bit each on the stack, checked at a time for one entry each */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 SMR_SHARED static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
@@ -152,21 +152,13 @@ static int check_triangle_indexes(const smr_model *m)
     return 1;
 }
 
-static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
-{
-    const uint32_t width = l->index_bytes;
-    const size_t at = 4u * (size_t)i;
-    return (smr_entry32){smr_index_at(l->entry, width, at), smr_index_at(l->entry, width, at + 1u),
-                         smr_index_at(l->entry, width, at + 2u), smr_index_at(l->entry, width, at + 3u)};
-}
-
 /* Checks that each vertex of a block, first .. last-1 along the curve, has exactly one entry. */
 static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
 {
     for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
         uint32_t visited[SMR_WINDOW / 32u] = {0};
         for (uint32_t i = first; i < last; i++) {
-            uint32_t v = smr_model_along(m, entry_at(l, i).vertex) - lo;
+            uint32_t v = smr_model_along(m, smr_entry_at(l, i).vertex) - lo;
             if (v >= SMR_WINDOW)
                 continue;
             if (visited[v / 32u] >> (v % 32u) & 1u)
@@ -182,7 +174,7 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     const uint32_t n = smr_le32(m->n_vertices);
     uint64_t used = 0;
     for (uint32_t i = first; i < last; i++) {
-        const smr_entry32 e = entry_at(l, i);
+        const smr_entry32 e = smr_entry_at(l, i);
         if (e.vertex >= n || smr_model_along(m, e.vertex) - first >= last - first || e.parent > i - first)
             return 0;
         used += (uint64_t)e.n_plus + e.n_minus;

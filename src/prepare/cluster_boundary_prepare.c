@@ -17,8 +17,7 @@ static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 /* Writes the pair a, b if its weight differs from the lists'; counts pairs beyond the radius. half: half width, mm. */
 static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
 {
-    const smr_vec d = smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b));
-    const float d2 = smr_dot(d, d);
+    const float d2 = smr_distance2(smr_get3(p->xyz, a), smr_get3(p->xyz, b));
     const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
     const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_BOUNDARY_UNITS + 0.5f);
     const int add = units - (inside ? SMR_BOUNDARY_UNITS : 0);
@@ -26,9 +25,7 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     if (add == 0 || !member || smr_kept_apart(p, a, b) || (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
         return;
     const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_BOUNDARY_UNITS / 2)};
-    const size_t at = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
-    for (uint32_t i = 0; i < 3u; i++)
-        smr_put32(l->w, at + 4u * i, field[i]);
+    smr_put_words(l->w, l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary), field, 3);
     l->n_boundary++;
     p->n_outside[a] += !inside;
     p->n_outside[b] += !inside;

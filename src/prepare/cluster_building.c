@@ -50,7 +50,7 @@ __attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_ve
 typedef struct ball {
     smr_vec centre;   /* centre of the ball, mm */
     smr_boundary at;  /* squared distances between which the ball's boundary lies */
-    float r2;         /* squared radius, mm^2 */
+    float r2;         /* squared radius of the ball, mm^2 */
     uint32_t touched; /* not 0: a vertex lies in the boundary */
 } ball;
 
@@ -236,8 +236,8 @@ uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t
 
 /* The n <= k vertices found so far that are nearest to a given vertex, the nearest first. */
 typedef struct candidates {
-    float d2[SMR_NEAREST]; /* squared distances, mm^2 */
-    uint32_t *found;       /* [k] numbers of the vertices */
+    float d2[SMR_NEAREST]; /* squared distance of each vertex found, mm^2 */
+    uint32_t *found;       /* [k] curve index of each vertex found */
     uint32_t n, k;
 } candidates;
 

@@ -15,8 +15,8 @@
 #define SMR_RATIO 0.66f       /* each radius as a share of the next coarser one */
 #define SMR_MEMBERS_MAX 1500u /* largest mean number of vertices in a cluster: more only makes iterations slow */
 #define SMR_DENSE 8000u       /* largest number of vertices in a structure that is not dense */
-#define SMR_FEW 5000u         /* vertices of a dense structure that suffice at coarse radii, and at least ... */
-#define SMR_FEW_SHARE 25u     /* ... this part of its vertices: 1 / SMR_FEW_SHARE */
+#define SMR_FEW 5000u         /* number of vertices of a dense structure that suffice at coarse radii, at least ... */
+#define SMR_FEW_SHARE 25u     /* ... the number of the structure's vertices / SMR_FEW_SHARE */
 #define SMR_MEMBERS_ALL 300u  /* largest mean number of vertices in a dense model's cluster that holds all vertices */
 #define SMR_PROBES 64u        /* largest number of clusters that are built to estimate the mean size */
 
@@ -78,10 +78,8 @@ static float rod_length(const smr_plan *p)
     for (uint32_t v = 0; v < p->n; v++)
         mean = smr_add(mean, smr_scale(smr_get3(p->xyz, v), share));
     float spread = 0.0f;
-    for (uint32_t v = 0; v < p->n; v++) {
-        const smr_vec d = smr_sub(smr_get3(p->xyz, v), mean);
-        spread += share * smr_dot(d, d);
-    }
+    for (uint32_t v = 0; v < p->n; v++)
+        spread += share * smr_distance2(smr_get3(p->xyz, v), mean);
     return SMR_SQRT(12.0f * spread);
 }
 

@@ -38,7 +38,6 @@ static void measure_edges(smr_plan *p)
     p->edge_mm = p->neighbour_start[p->n] > 0u ? sum / (float)p->neighbour_start[p->n] : 0.0f;
 }
 
-/* Lists the distinct mesh neighbours of each vertex, ascending, and measures the lengths of edges. */
 void smr_plan_neighbours(smr_plan *p)
 {
     uint32_t *start = p->neighbour_start;

@@ -8,13 +8,12 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
 {
     const int ring = smr_holds_neighbours(p, radius) && p->edge_max > radius;
     const float reach = ring ? p->edge_max : radius, mean = (float)l->n_members / (float)p->n;
-    const uint32_t sizes[] = {
+    const uint32_t sizes[8] = {
         smr_float_bits(radius), smr_float_bits(reach), p->separate, l->n_blocks, l->largest, l->smallest,
         smr_float_bits(mean),   l->n_indexes};
-    const uint64_t others[] = {l->at_blocks, l->at_entries, l->at_count,   l->at_indexes,
-                               active_min,   l->n_boundary, l->at_boundary};
-    for (uint32_t i = 0; i < 8u; i++)
-        smr_put32(w, at + 4u * i, sizes[i]);
+    const uint64_t others[7] = {l->at_blocks, l->at_entries, l->at_count,   l->at_indexes,
+                                active_min,   l->n_boundary, l->at_boundary};
+    smr_put_words(w, at, sizes, 8);
     for (uint32_t i = 0; i < 7u; i++)
         smr_put32(w, at + 32u + 4u * i, (uint32_t)others[i]);
 }
@@ -65,8 +64,7 @@ static size_t write_structures(const smr_plan *p, smr_writer *w)
                 w->model[to + i] = (unsigned char)name[i];
         const smr_mesh *mesh = &p->structures[s].mesh;
         const uint32_t field[4] = {vertices, mesh->n_vertices, triangles, mesh->n_triangles};
-        for (uint32_t i = 0; i < 4u; i++)
-            smr_put32(w, to + SMR_NAME_BYTES + 4u * i, field[i]);
+        smr_put_words(w, to + SMR_NAME_BYTES, field, 4);
         vertices += mesh->n_vertices;
         triangles += mesh->n_triangles;
     }
@@ -159,7 +157,6 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
     head.bytes = (uint32_t)w->used;
     uint32_t words[sizeof head / 4u];
     memcpy(words, &head, sizeof words);
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        smr_put32(w, 4u * i, words[i]);
+    smr_put_words(w, 0, words, sizeof words / sizeof words[0]);
     return SMR_OK;
 }

@@ -18,6 +18,12 @@ void smr_put32(smr_writer *w, size_t at, uint32_t value)
         memcpy(w->model + at, &stored, sizeof stored);
 }
 
+void smr_put_words(smr_writer *w, size_t at, const uint32_t *word, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        smr_put32(w, at + 4u * i, word[i]);
+}
+
 size_t smr_put_section(smr_writer *w, size_t bytes)
 {
     const size_t at = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;

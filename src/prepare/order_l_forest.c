@@ -78,7 +78,7 @@ static uint32_t list_near(const smr_plan *p, uint32_t v, uint32_t first, uint32_
 }
 
 /* Fills edge_a < edge_b with the candidate edges, each once, vertices counted from `first`. Returns their number. The
- * edges are sorted: key[start[a]] .. holds what is near to a or near which a is, and these few are sorted. */
+ * edges are sorted: from key[start[a]] on lie, ascending, the vertices behind a with which a may have an edge. */
 static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
 {
     const uint32_t size = last - first;

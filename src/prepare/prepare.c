@@ -6,9 +6,9 @@
 #include "image/intensity_profile.h"
 #include "prepare/prepare_plan.h"
 
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* most bytes of rows of bits in a block, unless block_vertices is set */
-#define SMR_BLOCK_MIN 64u                     /* smallest default block, vertices */
-#define SMR_BLOCK_MAX 2048u                   /* largest default block, vertices */
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* largest default size of the rows of bits of a block, bytes */
+#define SMR_BLOCK_MIN 64u                     /* smallest default number of vertices in a block */
+#define SMR_BLOCK_MAX 2048u                   /* largest default number of vertices in a block */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 

@@ -53,8 +53,8 @@ typedef struct smr_plan {
     float *xyz;                /* [n][3] rest positions, mm from centre */
     float *mass;               /* [n] masses m_i of the vertices, about 1 on average */
     uint16_t *owner;           /* [n] structure of each vertex */
-    uint32_t *position;        /* [n] number along the curve of each caller's vertex */
-    uint32_t *original;        /* [n] caller's vertex of each vertex along the curve */
+    uint32_t *position;        /* [n] curve index of each vertex of the caller */
+    uint32_t *original;        /* [n] caller's index of each vertex along the curve */
     uint32_t *triangle;        /* [nt][3] vertices along the curve; structures in a row, each in tree order */
     uint32_t *triangle_index;  /* [nt] the caller's index of each triangle within its structure */
     uint32_t *neighbour_start; /* [n + 1] index in neighbour[] of each vertex' first mesh neighbour */
@@ -76,17 +76,17 @@ typedef struct smr_plan {
     /* written by smr_plan_levels(): the order in which the model stores its vertices */
     uint32_t n_levels;
     uint32_t level_end[SMR_LEVELS_MAX];     /* number of vertices in each level and all levels before it */
-    uint32_t *stored;                       /* [n] stored vertex of each vertex along the curve */
-    uint32_t *along;                        /* [n] vertex along the curve of each stored vertex */
+    uint32_t *stored;                       /* [n] stored index of each vertex along the curve */
+    uint32_t *along;                        /* [n] curve index of each stored vertex */
     uint32_t coarse_radii, coarse_vertices; /* as in the model: smr_plan_coarse() */
     uint32_t members;                       /* clusters hold only the first `members` stored vertices; 0: all */
-    uint64_t *important;                    /* [words] these vertices along the curve; only with a dense structure */
-    uint32_t *level;                        /* [n] level of each vertex along the curve; the memory of priority.next */
+    uint64_t *important; /* [words] row of these `members` vertices; NULL without a dense structure */
+    uint32_t *level;     /* [n] level of each vertex along the curve; the memory of priority.next */
 
     /* written for each radius */
     uint64_t *row;       /* [n_rows][words + 1] rows of bits: sets of vertices, see smr_plan_row() */
     uint32_t *count;     /* [n] |zeta_i|, the number of vertices in each cluster */
-    uint32_t *entry;     /* [n] number of each vertex' entry of L within the vertex' block */
+    uint32_t *entry;     /* [n] index, in the vertex' block, of each vertex' entry of L */
     uint32_t *touched;   /* [n] not 0: a vertex may lie in the cluster's boundary; the memory of priority.bucket */
     uint32_t *n_outside; /* [n] number of boundary vertices beyond the radius of each cluster; the memory of entry */
     uint32_t *member;    /* [n] vertices of the list being written; the memory of priority.witness */
@@ -95,7 +95,7 @@ typedef struct smr_plan {
     smr_forest forest;
     float *triangle_centre; /* [nt][3] centres of triangles, times 3, mm */
     uint32_t *key;          /* [max(n, 6 nt, pairs)] sort keys */
-    uint32_t *item;         /* [max(n, 6 nt, pairs)] what is sorted by key[] */
+    uint32_t *item;         /* [max(n, 6 nt, pairs)] numbers that are sorted by key[] */
     uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] scratch of sorts; kept edges of the spanning tree */
     uint32_t *queue;        /* [n + 1] vertices still to visit, breadth first */
     uint32_t *geo_distance; /* [n] path lengths, micrometres, UINT32_MAX between searches; NULL: Euclidean distances */
@@ -110,16 +110,15 @@ void smr_plan_layout(smr_arena *a, smr_plan *p);
 /* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
 void smr_plan_order(smr_plan *p);          /* numbers vertices and triangles: curve_numbering.c */
 void smr_plan_neighbours(smr_plan *p);     /* lists mesh neighbours: mesh_measures.c */
-void smr_plan_mass(smr_plan *p);           /* computes masses: mesh_measures.c */
+void smr_plan_mass(smr_plan *p);           /* computes the vertices' masses: mesh_measures.c */
 void smr_plan_dihedrals(smr_plan *p);      /* lists edges of two triangles: fold_dihedrals_prepare.c */
-smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c; errors: those of smr_grid_open() */
+smr_status smr_plan_profiles(smr_plan *p); /* samples intensity profiles; errors of smr_grid_open() */
 /* Returns the number of samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 /* Chooses radii, mm, from coarse to fine (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 
-/* Returns the number of vertices that the model would have with few vertices in each structure; with options that need
- * all vertices in all clusters the number of vertices. */
+/* Returns the number of vertices with dense structures thinned; p->n if options need all vertices in all clusters. */
 uint32_t smr_plan_thinned(const smr_plan *p);
 /* Chooses coarse_vertices, and coarse_radii among radii chosen by smr_choose_radii(). Needs active_min. */
 void smr_plan_coarse(smr_plan *p, const float *radius, uint32_t n_radii);
@@ -131,8 +130,8 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
 /* Computes the stored order from S; an empty S gives one level in the order of the curve. */
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
 
-/* A row of bits is a set of vertices by their numbers along the curve. Behind its `words` 64-bit words a row has one
- * more: first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in large models. */
+/* A row of bits is a set of vertices, a bit for each curve index. Behind its `words` 64-bit words a row has one more:
+ * first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in large models. */
 static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
 static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
 
@@ -144,7 +143,7 @@ static inline void smr_row_cover(uint64_t *row, uint32_t words, uint32_t first, 
     row[words] = (uint64_t)last << 32 | first;
 }
 
-/* Adds the vertex with number `bit` to the row. */
+/* Adds the vertex with the curve index `bit` to the row. */
 static inline void smr_row_set(uint64_t *row, uint32_t words, uint32_t bit)
 {
     row[bit / 64u] |= (uint64_t)1 << (bit % 64u);
@@ -175,7 +174,7 @@ static inline int smr_holds_neighbours(const smr_plan *p, float mm) { return p->
 
 /* Where the boundary of the balls of one radius lies (cluster_boundary_prepare.c). */
 typedef struct smr_boundary {
-    float half, near2, far2; /* half width, mm; squared distances that enclose it, mm^2 */
+    float half, near2, far2; /* half width of the boundary, mm; squared distances that enclose the boundary, mm^2 */
 } smr_boundary;
 
 static inline smr_boundary smr_boundary_at(float radius)
@@ -190,11 +189,10 @@ static inline smr_boundary smr_boundary_at(float radius)
 uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
-/* Returns the set of a node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each.
- * *reaching: the set of the other boxes that reach into the ball of squared radius outside2. */
+/* Returns the node's child boxes inside the ball of squared radius inside2, mm^2, around p, a bit each. *reaching: the
+ * other boxes that reach into the ball of squared radius outside2. */
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching);
-/* Returns the set of a leaf's vertices in the ball of squared radius near2, mm^2, around p, a bit each. *outer: the set
- * for the squared radius far2. */
+/* Returns the leaf's vertices in the ball of squared radius near2, mm^2, around p, a bit each; *outer: within far2. */
 uint32_t smr_leaf_members(const smr_node *leaf, smr_vec p, float near2, float far2, uint32_t *outer);
 
 /* Returns 1 when clusters of the current radius leave out vertices because of their structure. */
@@ -226,6 +224,7 @@ typedef struct smr_writer {
 /* Write a little-endian number of 2 or 4 bytes at offset `at` of the model. */
 void smr_put16(smr_writer *w, size_t at, uint32_t value);
 void smr_put32(smr_writer *w, size_t at, uint32_t value);
+void smr_put_words(smr_writer *w, size_t at, const uint32_t *word, size_t n); /* writes n numbers of 4 bytes */
 /* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns the section's offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
 /* Appends the shapes of further subjects as a section of the model. Without any, writes nothing. */
@@ -237,7 +236,7 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
 typedef struct smr_list_writer {
     smr_writer *w;
     uint32_t index_bytes;                                            /* 2 or 4: width of an index */
-    size_t at_blocks, at_entries, at_count, at_indexes, at_boundary; /* offsets of the sections */
+    size_t at_blocks, at_entries, at_count, at_indexes, at_boundary; /* offsets of the sections in the model, bytes */
     uint32_t n_blocks;                                               /* number of blocks begun so far */
     uint32_t n_entries;                                              /* number of entries of L so far */
     uint32_t n_indexes;                                              /* indexes in all zeta+ and zeta- so far */
@@ -248,7 +247,7 @@ typedef struct smr_list_writer {
 
 void smr_list_block(smr_list_writer *l); /* begins a block: part of the order L whose parents all lie within it */
 
-/* Appends an entry of L with its zeta+ and zeta-. vertex: number along the curve; parent: entry number within the
+/* Appends an entry of L with its zeta+ and zeta-. vertex: curve index; parent: index of the parent's entry in the
  * block; own, parent_row: the rows of the two clusters, parent_row NULL for a root. */
 void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
                     const uint64_t *parent_row);

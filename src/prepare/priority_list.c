@@ -99,8 +99,7 @@ static void put_in_bucket(smr_plan *p, uint32_t v, uint32_t m)
 /* Returns 1 when j is in zeta_v by Euclidean distance (cluster_building.c); mesh neighbours are not tested. */
 static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
 {
-    const smr_vec d = smr_sub(smr_get3(p->xyz, v), smr_get3(p->xyz, j));
-    const float d2 = smr_dot(d, d);
+    const float d2 = smr_distance2(smr_get3(p->xyz, v), smr_get3(p->xyz, j));
     return d2 <= radius * radius && p->config->distance == SMR_DISTANCE_EUCLIDEAN && !smr_kept_apart(p, v, j);
 }
 

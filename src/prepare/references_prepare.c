@@ -39,18 +39,15 @@ void smr_write_references(const smr_plan *p, smr_writer *w, struct smr_model *he
     const size_t table = smr_put_section(w, sizeof(smr_stored_section));
     const size_t bytes = 3u * sizeof(float) * n * p->n, at = smr_put_section(w, bytes);
     const uint32_t record[4] = {SMR_SECTION_REFERENCES, 0, (uint32_t)at, (uint32_t)bytes};
-    for (uint32_t i = 0; i < 4u; i++)
-        smr_put32(w, table + 4u * i, record[i]);
+    smr_put_words(w, table, record, 4);
     for (uint32_t v = 0; v < p->n; v++) {
         smr_vec mean = smr_v(0, 0, 0);
         for (uint32_t i = 0; i < n; i++)
             mean = smr_add(mean, smr_scale(mapped(p, i, pose, p->along[v]), 1.0f / (float)n));
         for (uint32_t i = 0; i < n; i++) {
-            const size_t to = at + 3u * sizeof(float) * ((size_t)i * p->n + v);
             const smr_vec d = smr_sub(mapped(p, i, pose, p->along[v]), mean);
-            smr_put32(w, to, smr_float_bits(d.x));
-            smr_put32(w, to + 4u, smr_float_bits(d.y));
-            smr_put32(w, to + 8u, smr_float_bits(d.z));
+            const uint32_t bits[3] = {smr_float_bits(d.x), smr_float_bits(d.y), smr_float_bits(d.z)};
+            smr_put_words(w, at + 3u * sizeof(float) * ((size_t)i * p->n + v), bits, 3);
         }
     }
     head->n_sections = 1;

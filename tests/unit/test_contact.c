@@ -30,7 +30,7 @@ static float side_of(const smr_surface *s, const float *p)
 {
     const smr_query q = {smr_sub(smr_load(p), s->origin), smr_v(0, 0, 0), -2.0f, 1000, SMR_NONE};
     smr_side side;
-    assert_int_equal(1, smr_signed_distance(&s->tree, s->normal, &q, 1000.0f, &side));
+    assert_int_equal(1, smr_signed_distance(&s->tree, s->normal, &q, 1000.0f, NULL, &side));
     return side.mm;
 }
 

@@ -107,7 +107,7 @@ static const void *by_checksum(void *ctx, const smr_log_record *record)
 {
     (void)ctx;
     for (uint32_t i = 0; i < GIVEN; i++)
-        if (smr_cloud_checksum(given[i]) == record->checksum)
+        if (smr_log_checksum(SMR_LOG_POINTS, given[i], 0) == record->checksum)
             return given[i];
     return NULL;
 }

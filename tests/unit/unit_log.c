@@ -181,7 +181,7 @@ const void *unit_log_input(void *ctx, const smr_log_record *record)
     switch (record->kind) {
     case SMR_LOG_FIXED_SURFACE:
     case SMR_LOG_SURFACE: return u->surface[record->checksum == smr_surface_checksum(u->surface[1])];
-    case SMR_LOG_POINTS: return u->cloud[record->checksum == smr_cloud_checksum(u->cloud[1])];
+    case SMR_LOG_POINTS: return u->cloud[record->checksum == smr_log_checksum(SMR_LOG_POINTS, u->cloud[1], 0)];
     case SMR_LOG_GOALS: return &u->goals[record->checksum == smr_goals_checksum(&u->goals[1], u->ball.n_vertices)];
     case SMR_LOG_POSITIONS: return u->ball.xyz;
     case SMR_LOG_FORCE: return &u->force;

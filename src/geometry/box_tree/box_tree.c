@@ -21,6 +21,16 @@ void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles)
     }
 }
 
+smr_box smr_node_box(const smr_node *node)
+{
+    smr_box box = smr_no_box();
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH && node->lo[0][k] < SMR_FAR; k++) {
+        box.lo = smr_low(box.lo, smr_v(node->lo[0][k], node->lo[1][k], node->lo[2][k]));
+        box.hi = smr_high(box.hi, smr_v(node->hi[0][k], node->hi[1][k], node->hi[2][k]));
+    }
+    return box;
+}
+
 /* Sets the boxes of all eight children of the node to the empty box. */
 static void clear_node(smr_node *node)
 {

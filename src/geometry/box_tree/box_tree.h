@@ -5,11 +5,10 @@
 #ifndef SMR_BOX_TREE_H
 #define SMR_BOX_TREE_H
 
-#include "base/vec.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 #define SMR_TREE_WIDTH 8u  /* children of a node, and triangles of a leaf */
-#define SMR_TREE_LEVELS 9u /* most levels of a tree, since 8^8 > SMR_TRIANGLES_MAX */
-#define SMR_FAR 1.0e15f    /* mm: coordinate that marks an empty box; the square still fits a float */
+#define SMR_TREE_LEVELS 9u /* largest number of levels of a tree: 8^8 > SMR_TRIANGLES_MAX */
 
 /* A node: the boxes of its eight children, mm. Empty children have all coordinates SMR_FAR. */
 typedef struct smr_node {
@@ -29,8 +28,11 @@ typedef struct smr_box_tree {
     uint32_t n_vertices;             /* number of vertices at xyz */
 } smr_box_tree;
 
-uint32_t smr_tree_nodes(uint32_t n_triangles);              /* number of nodes of the tree over n_triangles */
+uint32_t smr_tree_nodes(uint32_t n_triangles); /* returns the number of nodes of the tree over n_triangles */
 void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles); /* sets n_triangles, n_levels and level[] */
+
+/* Returns the root of a tree with triangles. */
+static inline const smr_node *smr_tree_root(const smr_box_tree *f) { return &f->node[f->level[f->n_levels - 1u]]; }
 
 /* Returns the number of leaves: nodes of the lowest level. */
 static inline uint32_t smr_tree_leaves(const smr_box_tree *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
@@ -48,6 +50,8 @@ static inline void smr_tree_refit_upper(const smr_box_tree *f)
 
 /* The bit of child k in a set of children. A table, because not all compilers vectorise variable shifts. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+
+smr_box smr_node_box(const smr_node *node); /* returns the box around all children of a node */
 
 /* Writes the squared distance d2[k], mm^2, from p to each child box. Returns the children with d2 <= bound as bits. */
 static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
@@ -94,7 +98,7 @@ typedef struct smr_query {
     smr_vec point;        /* position from which triangles are searched, mm */
     smr_vec normal;       /* unit normal at the position; 0: no normal */
     float min_cos;        /* smallest accepted cosine between `normal` and a triangle's normal; -2: accept all */
-    uint32_t node_budget; /* most nodes that the search opens */
+    uint32_t node_budget; /* largest number of nodes that the search opens */
     uint32_t warm;        /* triangle that the search tries first, or SMR_NONE */
 } smr_query;
 
@@ -105,7 +109,7 @@ typedef struct smr_hit {
     float weight[3];   /* barycentric weights of the closest point on the triangle */
 } smr_hit;
 
-/* Triangles that a search leaves out: those of group 0, and those of a group whose `use` is 0. */
+/* Leaves triangles of group 0, and triangles of groups with a `use` of 0, out of a search. */
 typedef struct smr_tree_mask {
     const unsigned char *group; /* [n_triangles] group of each triangle */
     const unsigned char *use;   /* [largest group + 1] not 0: the group is searched; NULL: all groups but 0 are */
@@ -120,14 +124,15 @@ static inline int smr_tree_left_out(const smr_tree_mask *mask, uint32_t triangle
 
 struct smr_pause;
 
-/* What a search knows of the triangles that it did not find. With it the next search from a point nearby ends at once
- * while no other triangle can have become the closest one. The result has the same bits. */
+/* A lower bound of the distance to all triangles but the closest one. The next search from a point nearby ends at once
+ * while no other triangle can be closer, and finds the triangle that a whole search would find. */
 typedef struct smr_certainty {
     float slack_mm; /* how far beyond the closest triangle the search looks, so that other_mm is large; negative: the
                      * search seeks no other_mm and is cheaper */
-    float other_mm; /* in: all triangles but q->warm, accepted or not, are at least this far away, mm; 0: unknown; out:
-                     * the same of all but hit->triangle */
-    uint32_t sure;  /* out: 1: q->warm is the closest triangle without a search; other_mm is as before */
+    float
+        other_mm; /* in: lower bound of the distance to all triangles but q->warm, accepted or not, mm; 0: unknown; out:
+                     * lower bound of the distance to all triangles but hit->triangle, mm */
+    uint32_t sure;           /* out: 1: q->warm is the closest triangle without a search; other_mm is as before */
     struct smr_pause *pause; /* limits the work of the search; NULL: no limit */
 } smr_certainty;
 
@@ -149,15 +154,15 @@ typedef struct smr_near_list {
 
 /* Squared lower bounds, mm^2, of distances to triangles. */
 typedef struct smr_bounds {
-    float other2;               /* of all triangles tested or of nodes left aside, but the closest one */
-    float lane[SMR_TREE_WIDTH]; /* of all nodes that were never pushed, by the number of the child */
-    float best2;                /* of the closest triangle, where a leaf showed it; else FLT_MAX */
-    float reach2;               /* nodes within this distance are opened for other2 */
+    float other2;               /* bound of all triangles tested or in skipped nodes, except the closest triangle */
+    float lane[SMR_TREE_WIDTH]; /* bound of all nodes that were never pushed, for each child index */
+    float best2;                /* bound of the closest triangle, found in a leaf; FLT_MAX: none */
+    float reach2;               /* squared distance, mm^2, within which nodes are opened to bound other2 */
 } smr_bounds;
 
-#define SMR_ENDLESS UINT32_MAX /* work without a limit */
+#define SMR_ENDLESS UINT32_MAX /* value of smr_pause.left: work has no limit */
 
-/* Variables of a search. */
+/* State of a search in progress, besides its stack. */
 typedef struct smr_walk {
     uint32_t top;    /* number of nodes on the stack */
     uint32_t opened; /* number of opened nodes that could hold a closer triangle */
@@ -179,26 +184,27 @@ typedef struct smr_pause {
     smr_near_list list;
 } smr_pause;
 
-/* Counts work that was done. */
+/* Subtracts `work` from the work that may still be done. */
 static inline void smr_work(smr_pause *pause, uint32_t work)
 {
     if (pause->left != SMR_ENDLESS)
         pause->left -= smr_min_u32(work, pause->left);
 }
 
-/* Measures triangle i, unless q or the mask leaves it out: updates *hit when the triangle is closer, or as close with a
- * smaller rank. mask NULL: none is left out. */
+/* Updates *hit when q and the mask (NULL: none) accept triangle i, which is closer, or as close with a smaller rank. */
 void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t i, smr_hit *hit);
 
-/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: all are searched;
- * known NULL: nothing is known of other triangles. Return 0 when known->pause ended the work: the same call
- * continues. */
-int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
+/* Find the closest triangle within hit->d2 that q accepts, or leave *hit unchanged. mask NULL: no triangle is left out;
+ * known NULL: no bound is known or wanted. Return 0 when known->pause ended the work, which the next call continues. */
 int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,
                          smr_certainty *known);
+static inline int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
+{
+    return smr_tree_closest_but(f, NULL, q, hit, NULL);
+}
 
 /* Finds the closest acceptable triangle, and all triangles less than a tenth farther and nearer than list->cut2. Shares
- * fall to 0 at that limit, so that rounding does not decide between equally close triangles. Returns as above. */
+ * fall to 0 at that limit: rounding does not decide between equal distances. Returns as smr_tree_closest_but(). */
 int smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list, smr_certainty *known);
 /* Returns the point, mm, of a triangle with these barycentric weights. */
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3]);

@@ -73,7 +73,7 @@ static void make_keys(smr_order *o, uint32_t from, uint32_t to)
         o->key[i] = sortable(point_of(o, i)[axis]);
 }
 
-#define SMR_ORDER_COST 3u /* cost of sorting a small range at once, in visits of each of its triangles */
+#define SMR_ORDER_COST 3u /* cost of sorting a small range at once, in visits to each triangle of the range */
 
 /* Stages of sorting a range: find the box, make the keys, then count and move for each byte of the keys. */
 enum { SMR_ORDER_BOX = 0, SMR_ORDER_KEYS, SMR_ORDER_SORT, SMR_ORDER_SORTED = SMR_ORDER_SORT + 2 * SMR_SORT_PASSES };

@@ -19,7 +19,7 @@ static int comes_first(const smr_box_tree *f, uint32_t i, uint32_t found)
     return found == SMR_NONE || f->rank == NULL ? i < found : f->rank[i] < f->rank[found];
 }
 
-#define SMR_NEARLY 0.1f      /* triangles farther than (1 + this) times the closest distance are not near */
+#define SMR_NEARLY 0.1f      /* (largest distance of a near triangle / closest distance) - 1 */
 #define SMR_NORMAL_RAMP 0.2f /* width of the range of cosines above min_cos over which shares rise from 0 to 1 */
 
 /* Adds a near triangle to the list. A full list drops its farthest triangle, and cut2 falls to that distance. */
@@ -51,8 +51,7 @@ static inline int accepted(const smr_box_tree *f, const smr_tree_mask *mask, con
     return !(smr_dot(smr_get3(f->normal, i), q->normal) < q->min_cos || (mask != NULL && smr_tree_left_out(mask, i)));
 }
 
-/* Updates *hit when a measured triangle is closer, or as close with a smaller rank, and adds the triangle to the list
- * when it is near. */
+/* Updates *hit when a measured triangle is closer, or as close with a smaller rank; lists the triangle when near. */
 static void take(const smr_box_tree *f, const smr_hit *found, smr_hit *hit, float widen, smr_near_list *list)
 {
     if (list != NULL && found->d2 < hit->d2 * widen)
@@ -70,16 +69,16 @@ void smr_tree_try(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
     take(f, &found, hit, 1.0f, NULL);
 }
 
-#define SMR_TIES 64u         /* most nodes opened whose boxes are exactly as far away as the closest triangle so far */
-#define SMR_BEYOND 24u       /* most nodes opened only for a lower bound of the distance to other triangles */
-#define SMR_ROUNDING 2.0e-6f /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */
-#define SMR_WORK_VISIT 30u   /* work of a node that is taken off the stack */
-#define SMR_WORK_NODE 1200u  /* work of a node that is opened, and of triangles that its tests leave out */
-#define SMR_WORK_TRIANGLE 600u /* work of a triangle that is measured */
+#define SMR_TIES 64u   /* largest number of nodes opened whose boxes are exactly as far away as the closest triangle */
+#define SMR_BEYOND 24u /* largest number of nodes opened only to bound the distance to other triangles */
+#define SMR_ROUNDING 2.0e-6f   /* rounding of a closest point's weights, times (sides / area)^2 of the triangle */
+#define SMR_WORK_VISIT 30u     /* instructions at most to take a node off the stack */
+#define SMR_WORK_NODE 1200u    /* instructions at most to open a node and to test the children */
+#define SMR_WORK_TRIANGLE 600u /* instructions at most to measure a triangle */
 #define SMR_SURELY 1.00001f    /* factor on a distance, so that rounding does not make a triangle surely the closest */
 
-/* Returns a lower bound of the squared distance to triangle i, measured as d2. Rounding may put the measured point
- * beside the closest one, in a sliver far beside it. box_d2: squared distance to the triangle's box. */
+/* Returns a lower bound of the squared distance to triangle i, measured as d2. In a sliver rounding may put the
+ * measured point far from the closest point. box_d2: squared distance to the triangle's box. */
 static float least_of(const smr_box_tree *f, const smr_query *q, uint32_t i, float d2, float box_d2)
 {
     const smr_corner_values v = smr_corners_of(f->xyz, smr_triangle_at(f->triangle, i, f->n_vertices));
@@ -152,8 +151,7 @@ static uint32_t search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, co
     return n;
 }
 
-/* Tries q->warm, and stores its closest point. Returns 1 when no other triangle can be closer, or within `widen` times
- * its squared distance. */
+/* Tries q->warm. Returns 1 when no other triangle can lie within `widen` times the squared distance of *warm. */
 static int warm_is_sure(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                         const smr_certainty *known, smr_hit *warm)
 {
@@ -183,8 +181,8 @@ static float other_of(const smr_bounds *b)
     return SMR_SQRT(other2);
 }
 
-/* Returns 1 when the query's warm triangle is the closest one, or the point is that of a forged model: NaN or as far as
- * empty boxes. No search is needed then. */
+/* Returns 1 when no search is needed: the query's warm triangle is the closest one, or a forged model's point is NaN or
+ * as far as empty boxes. */
 static int ends_at_once(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                         smr_near_list *list, smr_certainty *known, smr_hit *warm)
 {
@@ -199,7 +197,7 @@ static int ends_at_once(const smr_box_tree *f, const smr_tree_mask *mask, const 
     return 1;
 }
 
-/* Returns the work after which a search stops. */
+/* Returns the work after which a search stops, instructions at most. */
 static uint32_t most_of(const smr_pause *pause)
 {
     if (pause == NULL || pause->left == SMR_ENDLESS)
@@ -223,7 +221,7 @@ static int stops(smr_pause *pause, uint32_t work, uint32_t most, const smr_walk 
     return 1;
 }
 
-/* Copies a search that stopped back. Returns 0 when there is none. */
+/* Copies a stopped search back from *pause. Returns 0 when no search has stopped. */
 static int resume(smr_pause *pause, smr_walk *w, smr_visit *stack, smr_hit *hit, smr_near_list *list)
 {
     if (pause == NULL || !pause->in_search)
@@ -237,9 +235,8 @@ static int resume(smr_pause *pause, smr_walk *w, smr_visit *stack, smr_hit *hit,
     return 1;
 }
 
-/* Finds the closest triangle for *hit. Boxes and triangles within `widen` (1 or more) times the squared distance of
- * *hit are also tested and enter the list. list NULL: only the closest triangle is wanted. Returns 0 when known->pause
- * ended the work. */
+/* Finds the closest triangle for *hit, and lists the triangles within `widen` >= 1 times the squared distance of *hit.
+ * list NULL: only the closest triangle is wanted. Returns 0 when known->pause ended the work. */
 static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit, float widen,
                   smr_near_list *list, smr_certainty *known)
 {
@@ -288,11 +285,6 @@ static int search(const smr_box_tree *f, const smr_tree_mask *mask, const smr_qu
     while (list != NULL && w.top > 0u) /* the node budget is used up: the nearest unopened box ends the list */
         list->cut2 = smr_min(list->cut2, stack[--w.top].d2);
     return 1;
-}
-
-int smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
-{
-    return search(f, NULL, q, hit, 1.0f, NULL, NULL);
 }
 
 int smr_tree_closest_but(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, smr_hit *hit,

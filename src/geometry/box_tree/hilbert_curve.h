@@ -5,10 +5,18 @@
 
 #include "base/vec.h"
 
+#define SMR_FAR 1.0e15f /* mm: coordinate that marks an empty box; the square still fits a float */
+
 /* An axis-aligned box, mm. */
 typedef struct smr_box {
     smr_vec lo, hi;
 } smr_box;
+
+/* Returns a box without points, whose low corner lies above the high one. */
+static inline smr_box smr_no_box(void)
+{
+    return (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+}
 
 /* Extends the box by the point p, mm. */
 static inline void smr_box_grow(smr_box *box, smr_vec p)
@@ -24,7 +32,7 @@ static inline int smr_box_reaches(const smr_box *box, smr_vec p, float reach)
            p.x <= box->hi.x + reach && p.y <= box->hi.y + reach && p.z <= box->hi.z + reach;
 }
 
-smr_box smr_box_of(const float *xyz, uint32_t n); /* bounding box of n >= 1 points, xyz: [n][3] mm */
+smr_box smr_box_of(const float *xyz, uint32_t n); /* returns the bounding box of n >= 1 points xyz [n][3], mm */
 /* Returns the position of p on a Hilbert curve of 10 bits per axis through the cube around box: 0 .. 2^30 - 1. */
 uint32_t smr_curve_key(smr_box box, smr_vec p);
 
@@ -37,7 +45,7 @@ void smr_curve_sort(uint32_t *key, uint32_t *item, uint32_t *tmp, uint32_t n);
 
 /* A radix sort in steps: each pass counts all items, then moves all items, from the index `from` up to `to`. */
 typedef struct smr_sort {
-    uint32_t *key, *item, *tmp; /* key [n]: what is compared; item [n]: sorted by key; tmp [2 n]: scratch */
+    uint32_t *key, *item, *tmp; /* key [n]: sort keys; item [n]: numbers sorted by key; tmp [2 n]: scratch */
     uint32_t *count;            /* [SMR_SORT_BYTES] scratch: number, then place, of the items with each byte */
     uint32_t n;
 } smr_sort;

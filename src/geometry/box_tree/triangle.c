@@ -4,7 +4,7 @@
 #include "geometry/box_tree/triangle.h"
 
 #define SMR_DIVISOR_LEAST 1.0e-20f /* least divisor: compilers also divide unused lanes of vectors, where 0 traps */
-#define SMR_SLIVER 1.0e-5f         /* largest squared area of a sliver, as a share of the products subtracted for it */
+#define SMR_SLIVER 1.0e-5f         /* largest squared area of a sliver / products of lengths whose difference it is */
 
 /* Sets weight[] to a, b, c. Returns the squared length, mm^2, of to_p, the vector from the closest point to p. */
 static float set(float weight[3], float a, float b, float c, smr_vec to_p)
@@ -15,8 +15,7 @@ static float set(float weight[3], float a, float b, float c, smr_vec to_p)
     return smr_dot(to_p, to_p);
 }
 
-/* Writes the weights of the point on the edges of the triangle that is closest to p. Returns the squared distance from
- * p to that point, mm^2. */
+/* Writes the weights of the closest point on the triangle's edges. Returns the squared distance from p to it, mm^2. */
 static float closest_edge(const smr_vec *p, const float *xyz, const uint32_t *corner, float weight[3])
 {
     const smr_corner_values v = smr_corners_of(xyz, corner);
@@ -79,7 +78,7 @@ float smr_triangle_closest_of(const smr_vec *point, const float *xyz, const uint
     const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
     if (sum > SMR_SLIVER * sides * (sides + smr_dot(ap, ap)))
         return inside;
-    /* in a sliver rounding dominates the weights: their point, on the triangle, may not be the closest: tries edges */
+    /* rounding dominates the weights in a sliver, so a point on an edge may be closer */
     float on_edge[3];
     const float edge = closest_edge(point, xyz, corner, on_edge);
     if (edge < inside)

@@ -8,7 +8,7 @@
 /* Returns the squared distance, mm^2, from p to triangle a b c (area 0: legal). Writes the nearest point's weight[]. */
 float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3]);
 
-/* The same for the vertices t[3] at xyz. Pointers cost a sixth fewer instructions. */
+/* Returns smr_triangle_closest() for the vertices t[3] at xyz. Pointers cost a sixth fewer instructions. */
 float smr_triangle_closest_of(const smr_vec *p, const float *xyz, const uint32_t *t, float weight[3]);
 
 /* Returns the vector along the normal of triangle a b c whose length is twice the area, mm^2. */
@@ -25,7 +25,7 @@ static inline const uint32_t *smr_triangle_at(const uint32_t *triangle, uint32_t
     return t[0] < n_vertices && t[1] < n_vertices && t[2] < n_vertices ? t : none;
 }
 
-/* The same, not inline: for what seldom runs. */
+/* Returns smr_triangle_at(), not inline, for code that seldom runs. */
 const uint32_t *smr_triangle_of(const uint32_t *triangle, uint32_t k, uint32_t n_vertices);
 
 /* Vectors (positions, normals) at the three corners of a triangle. */

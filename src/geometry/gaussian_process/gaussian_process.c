@@ -20,13 +20,6 @@ float smr_solve_row(const float *row, uint32_t i, const float *known, float valu
     return value / row[i];
 }
 
-smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value)
-{
-    for (uint32_t k = 0; k < i; k++)
-        value = smr_sub(value, smr_scale(smr_get3(known, k), row[k]));
-    return smr_scale(value, 1.0f / row[i]);
-}
-
 void smr_solve_rows_forward(float *lower, SMR_UNUSED uint32_t n, uint32_t first, uint32_t last, float *y)
 {
     for (uint32_t i = first; i < last; i++)
@@ -45,8 +38,13 @@ void smr_solve_rows_back(float *lower, SMR_UNUSED uint32_t n, uint32_t first, ui
 
 void smr_solve_rows_forward3(float *lower, SMR_UNUSED uint32_t n, uint32_t first, uint32_t last, float *y)
 {
-    for (uint32_t i = first; i < last; i++)
-        smr_put3(y, i, smr_solve_row3(smr_factor_row(lower, i), i, y, smr_get3(y, i)));
+    for (uint32_t i = first; i < last; i++) {
+        const float *const row = smr_factor_row(lower, i);
+        smr_vec left = smr_get3(y, i);
+        for (uint32_t k = 0; k < i; k++)
+            left = smr_sub(left, smr_scale(smr_get3(y, k), row[k]));
+        smr_put3(y, i, smr_scale(left, 1.0f / row[i]));
+    }
 }
 
 void smr_solve_rows_back3(float *lower, uint32_t n, uint32_t first, uint32_t last, float *y)
@@ -61,4 +59,3 @@ void smr_solve_rows_back3(float *lower, uint32_t n, uint32_t first, uint32_t las
 
 void smr_solve_forward(float *lower, uint32_t n, float *y) { smr_solve_rows_forward(lower, n, 0, n, y); }
 void smr_solve_back(float *lower, uint32_t n, float *y) { smr_solve_rows_back(lower, n, 0, n, y); }
-void smr_solve_forward3(float *lower, uint32_t n, float *y) { smr_solve_rows_forward3(lower, n, 0, n, y); }

@@ -17,15 +17,14 @@ static inline float smr_kernel(float d2, float per_length2) { return 1.0f / (1.0
 /* Computes entry j <= i of row i from the covariance of values i and j, noise included. The rows up to j and the
  * entries of row i before j must be set. least: smallest squared diagonal entry, above the rounding error. */
 void smr_factor_set(float *lower, uint32_t i, uint32_t j, float covariance, float least);
-/* Return component i of L^-1 y. row: row i of L; known: components 0 .. i-1; value: y_i. */
+/* Returns component i of L^-1 y. row: row i of L; known: components 0 .. i-1; value: y_i. */
 float smr_solve_row(const float *row, uint32_t i, const float *known, float value);
-smr_vec smr_solve_row3(const float *row, uint32_t i, float *known,
-                       smr_vec value); /* returns component i of L^-1 y for three columns y; known: [i][3] */
 
-/* Replace y[n], in functions named ...3 y[n][3], by L^-1 y (forward) or L^-T y (back). lower: the factor L. */
+/* Replace y[n] by L^-1 y (forward) or L^-T y (back). lower: the factor L. */
 typedef void smr_solver(float *lower, uint32_t n, float *y);
-smr_solver smr_solve_forward, smr_solve_back, smr_solve_forward3;
-/* The same for rows first .. last - 1 alone, forward after all rows before, back after all rows behind. */
+smr_solver smr_solve_forward, smr_solve_back;
+/* Solve rows first .. last - 1 alone: forward after all rows before `first`, back after all rows from `last` on. The
+ * functions named ...3 solve for three columns, y[n][3]. */
 typedef void smr_solver_of_rows(float *lower, uint32_t n, uint32_t first, uint32_t last, float *y);
 smr_solver_of_rows smr_solve_rows_forward, smr_solve_rows_back, smr_solve_rows_forward3, smr_solve_rows_back3;
 

@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 
-/* A symmetric matrix s[6] holds its six upper entries in this order. */
+/* Indexes of the six upper entries of a symmetric matrix s[6]. */
 enum { SMR_XX, SMR_XY, SMR_XZ, SMR_YY, SMR_YZ, SMR_ZZ };
 
 /* Adds the symmetric matrix w d d^T to the symmetric matrix s. */

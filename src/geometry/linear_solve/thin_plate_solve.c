@@ -6,7 +6,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/thin_plate_solve.h"
 
-#define SMR_REFINEMENTS 3u    /* number of corrections of the first solution by its residual */
+#define SMR_REFINEMENTS 3u    /* number of corrections of the solution by the residual */
 #define SMR_PIVOT_MIN 1.0e-9f /* smaller pivots count as 0; the caller scales the matrix to entries of about 1 */
 
 /* Factors s->a into s->lu, rows in the order of s->pivot. Of equal pivots takes the first. Returns 0 if one is 0. */
@@ -105,8 +105,5 @@ int smr_system_solve(const smr_system *s)
         for (size_t i = 0; i < values; i++)
             s->x[i] += s->residual[i];
     }
-    int finite = 1;
-    for (size_t i = 0; i < values; i++)
-        finite &= smr_within(s->x[i], FLT_MAX);
-    return finite;
+    return smr_all_within(s->x, values, FLT_MAX);
 }

@@ -10,9 +10,9 @@
 /* A system of equations a x = b and scratch; all arrays belong to the caller and are row-major. */
 typedef struct smr_system {
     uint32_t n;      /* number of equations */
-    const float *a;  /* [n][n] the matrix; not changed */
-    const float *b;  /* [n][3] right-hand sides; not changed */
-    float *x;        /* [n][3] the solution */
+    float *a;        /* [n][n] matrix of the equations; not changed */
+    float *b;        /* [n][3] right-hand sides; not changed */
+    float *x;        /* [n][3] solution of the equations */
     float *lu;       /* [n][n] scratch: triangular factors */
     float *residual; /* [n][3] scratch: b - a x */
     uint32_t *pivot; /* [n] scratch: rows in the order of elimination */

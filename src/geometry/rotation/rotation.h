@@ -7,7 +7,7 @@
 
 #include "base/vec.h"
 
-#define SMR_ANGLE_MAX 1.5f /* rad: longer rotation vectors are shortened to this length */
+#define SMR_ANGLE_MAX 1.5f /* rad: largest rotation; longer rotation vectors are shortened */
 
 float smr_cos_degrees(float degrees); /* returns the cosine of an angle of 0 .. 180 degrees */
 /* Returns w shortened to at most `most` rad; w may be any vector, NaN and infinity included. */

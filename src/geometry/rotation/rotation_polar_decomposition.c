@@ -8,7 +8,7 @@
 #include "geometry/rotation/rotation.h"
 
 #define SMR_SWEEPS_WARM 4u     /* number of Jacobi sweeps, which start from the eigenvectors of the last call */
-#define SMR_RANK_FLOOR 1.0e-3f /* singular values below this share of the largest count as 0 */
+#define SMR_RANK_FLOOR 1.0e-3f /* smallest singular value that does not count as 0 / largest singular value */
 
 /* Returns a unit vector perpendicular to the unit vector a, always the same one for the same a. */
 static smr_vec any_normal(smr_vec a)

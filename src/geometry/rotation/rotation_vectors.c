@@ -111,7 +111,7 @@ static float arc_over(float y, float x)
 /* Finds a multiple of R's quaternion (w, q); the largest of four squares picks the formula (Shepperd 1978). */
 smr_vec smr_rotation_log(const float m[9])
 {
-    const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2 of the quaternion; x2, y2, z2 likewise */
+    const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2 of the quaternion (w, x, y, z); below: 4 x^2, 4 y^2, 4 z^2 */
     const float x2 = m[0] - m[4] - m[8], y2 = m[4] - m[0] - m[8], z2 = m[8] - m[0] - m[4];
     const smr_vec skew = smr_v(m[7] - m[5], m[2] - m[6], m[3] - m[1]);
     smr_vec q;

@@ -5,7 +5,7 @@
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
-#define SMR_FIT_OPEN 1.0e-4f /* rotation axes with less than this share of the largest curvature are undetermined */
+#define SMR_FIT_OPEN 1.0e-4f /* curvature below which the rotation about an axis is undetermined / largest curvature */
 #define SMR_FIT_NEAR 0.01f   /* rad: longer Newton steps, as in reflections and deficient ranks, are not taken */
 
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)

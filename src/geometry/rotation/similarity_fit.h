@@ -5,14 +5,6 @@
 
 #include "base/vec.h"
 
-/* Returns the vector a rotated and scaled by the pose, without the pose's translation. */
-static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
-{
-    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
-                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
-                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
-}
-
 /* Returns the vector a rotated by the inverse of the pose's rotation, and scaled by the pose. */
 static inline smr_vec smr_pose_turn_back(const smr_pose *p, smr_vec a)
 {
@@ -37,8 +29,8 @@ enum { SMR_FIT_FROM = 0, SMR_FIT_TO = 3, SMR_FIT_CROSS = 6, SMR_FIT_FROM2 = 15, 
 typedef struct smr_fit {
     smr_vec origin_from, origin_to; /* mm: origins of the points `from` and `to` */
     float sum[SMR_FIT_SUMS];        /* sums of w from, w to, w to from^T (row-major), w |from|^2, w |to|^2 */
-    float lost[SMR_FIT_SUMS];       /* rounding errors of sum[] */
-    float weight;                   /* sum of w */
+    float lost[SMR_FIT_SUMS];       /* rounding error of each entry of sum[], to be added */
+    float weight;                   /* sum of the weights w of all pairs */
 } smr_fit;
 
 /* Sets the origins, mm, and clears the sums. Origins near the points keep the digits of coordinates far from 0. */
@@ -47,7 +39,7 @@ void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w);
 
 /* Returns the pose that minimises sum w |pose(from) - to|^2; scaled not 0: with the scale sqrt(variance of to /
- * variance of from). Where the pairs do not determine the rotation, it is the identity. */
+ * variance of from). A rotation that the pairs do not determine is the identity. */
 smr_pose smr_fit_solve(const smr_fit *f, int scaled);
 
 #endif

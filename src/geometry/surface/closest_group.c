@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_GROUP_NODES 24u /* most nodes above the leaves that a group searches together */
+#define SMR_GROUP_NODES 24u /* largest number of nodes above the leaves that a group searches together */
 
 /* Returns a node of a tree that has nodes, or the root where a fault in a box led beyond it. */
 static const smr_node *node_at(const smr_box_tree *f, uint32_t index)
@@ -25,8 +25,7 @@ static uint32_t children_near(const smr_node *node, smr_box box, float bound)
     return near;
 }
 
-/* Lists the nodes of the level above the leaves within the squared distance `bound` of a box. Returns their number;
- * above SMR_GROUP_NODES: too many. */
+/* Lists nodes above leaves within the squared distance `bound` of a box. Returns n; above SMR_GROUP_NODES: too many. */
 static uint32_t list_nodes(const smr_box_tree *f, smr_box box, float bound, uint32_t node[SMR_GROUP_NODES])
 {
     uint32_t from[SMR_GROUP_NODES], n = f->n_levels > 0u;
@@ -91,12 +90,7 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
         bound = smr_max(bound, hit[i].d2);
         box = (smr_box){smr_low(box.lo, q[i].point), smr_high(box.hi, q[i].point)};
     }
-    if (forged) {
-        for (uint32_t i = 0; i < n; i++)
-            smr_tree_closest_but(f, mask, &q[i], &hit[i], NULL);
-        return;
-    }
-    const uint32_t n_nodes = list_nodes(f, box, bound, node);
+    const uint32_t n_nodes = forged ? SMR_GROUP_NODES + 1u : list_nodes(f, box, bound, node);
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t before = i > 0u ? hit[i - 1u].triangle : SMR_NONE;
         if (before < f->n_triangles && before != q[i].warm)

@@ -24,8 +24,7 @@ void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t n
         const smr_vec n = smr_corners_cross(xyz, t);
         const float third = smr_length(n) * (1.0f / 6.0f);
         for (uint32_t c = 0; c < 3u; c++) {
-            float *at = normal + 3u * (size_t)t[c];
-            smr_store(at, smr_add(smr_load(at), n));
+            smr_add3(normal, t[c], n);
             if (area != NULL)
                 area[t[c]] += third;
         }

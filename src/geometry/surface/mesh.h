@@ -5,15 +5,6 @@
 
 #include "base/base.h"
 
-/* Returns 1 when all n values are within +-most; 0 with a NaN among the values. */
-static inline int smr_all_within(const float *value, size_t n, float most)
-{
-    int outside = 0;
-    for (size_t i = 0; i < n; i++)
-        outside |= !smr_within(value[i], most);
-    return !outside;
-}
-
 /* Checks every count, index and coordinate of a caller's mesh. Errors: E_NULL, E_INPUT. */
 smr_status smr_mesh_check(const smr_mesh *mesh);
 /* Writes normal[n][3]: unit vertex normals, 0 without area; unless NULL, area[n]: a third of adjacent areas, mm^2. */

@@ -52,7 +52,7 @@ uint32_t smr_surface_guard(const smr_surface *s); /* returns the checksum of a c
 
 /* Numbers of connected components. FRAGMENT: small, open, ignored; SMALL: other small ones; FIRST ..: large ones. */
 enum { SMR_BODY_FRAGMENT = 0, SMR_BODY_SMALL = 1, SMR_BODY_FIRST = 2 };
-#define SMR_BODY_PART 250u /* a component of more than 1 / this of all triangles gets its own number, below 256 */
+#define SMR_BODY_PART 250u /* a component with over 1 / SMR_BODY_PART of all triangles gets its own number, below 256 */
 
 #define SMR_SURFACE_MAGIC 0x736d7253u /* smr_surface.magic of a complete surface */
 #define SMR_SURFACE_BUSY 0x736d7262u  /* smr_surface.magic of a surface that is being built or refitted */
@@ -85,7 +85,7 @@ static inline uint32_t smr_surface_body(const smr_surface *s, uint32_t v)
 }
 
 /* Finds the closest acceptable triangle outside fragments and, unless use is NULL, components with use[component] 0.
- * known: what the last search knew of other triangles; NULL: nothing. Returns as smr_tree_closest_but(). */
+ * known: bounds that the last search found; NULL: none. Returns as smr_tree_closest_but(). */
 static inline int smr_surface_search_known(const smr_surface *s, const unsigned char *use, const smr_query *q,
                                            smr_hit *hit, smr_certainty *known)
 {
@@ -98,7 +98,7 @@ static inline void smr_surface_search(const smr_surface *s, const unsigned char 
     (void)smr_surface_search_known(s, use, q, hit, NULL);
 }
 
-#define SMR_GROUP_POINTS 8u /* most points of a group */
+#define SMR_GROUP_POINTS 8u /* largest number of points in a group */
 
 /* Searches as smr_tree_closest_but() does for each of n queries, 1 .. SMR_GROUP_POINTS, with points near each other. A
  * query without a triangle to try first gets that of the query before. */
@@ -121,15 +121,14 @@ typedef struct smr_side {
 } smr_side;
 
 /* Finds the signed distance of q->point to the acceptable triangles within `most` mm. normal: [vertices][3] unit vertex
- * normals. Returns 0, with *side unchanged, when there is no such triangle. */
-int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side);
-/* The same with limited work: also returns 0 when the search stopped, with pause->kept. */
-int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const smr_query *q, float most,
-                               smr_pause *pause, smr_side *side);
+ * normals; pause: limits the work, NULL: no limit. Returns 0, with *side unchanged, when there is no such triangle or
+ * the search stopped, with pause->kept. */
+int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_pause *pause,
+                        smr_side *side);
 
 /* ---- surface_line.c ---- */
 
-#define SMR_CROSSINGS 64u /* most crossings of a line with one surface */
+#define SMR_CROSSINGS 64u /* largest number of crossings of a line with one surface */
 
 /* A crossing of a line with a surface. */
 typedef struct smr_crossing {
@@ -154,7 +153,7 @@ int smr_surface_inside(const smr_surface *s, smr_vec p);
 
 /* A cloud of points in the caller's memory. Points attract the model as target vertices do, with weights as areas. */
 struct smr_points {
-    uint32_t magic;      /* SMR_POINTS_MAGIC */
+    uint32_t magic;      /* SMR_POINTS_MAGIC marks an open cloud */
     uint32_t next;       /* index that the next added point gets, < surface.capacity */
     uint32_t guard;      /* checksum of the addresses of slots and of the capacity */
     smr_surface surface; /* the first n_vertices slots hold xyz, normal (0: none) and, as area, the weight; origin 0 */

@@ -11,18 +11,18 @@
 #define SMR_DEPTH_MOST 100.0f  /* mm: greater depths count as this depth */
 #define SMR_LINES 64u          /* largest number of lines of the volume's grid along each of two axes */
 #define SMR_LINE_MM 0.25f      /* smallest distance between two lines, mm */
-#define SMR_LINES_TASK 2u      /* lines in a task */
-#define SMR_VERTICES_TASK 3u   /* vertices in a task */
-#define SMR_CONTACT_LEAVES 24u /* leaves that are tested before the triangles of the near ones are measured */
-#define SMR_CONTACT_PLACES 16u /* tasks whose results wait to be added */
-#define SMR_ROUNDED 1.001f     /* factor on lengths that must not be too short by rounding */
-#define SMR_ROUNDED_MM 1.0e-4f /* added to such lengths, mm */
+#define SMR_LINES_TASK 2u      /* number of grid lines that a task measures */
+#define SMR_VERTICES_TASK 3u   /* number of vertices that a task measures */
+#define SMR_CONTACT_LEAVES 24u /* number of leaves tested before the triangles of near leaves are measured */
+#define SMR_CONTACT_PLACES 16u /* number of tasks whose results wait to be added */
+#define SMR_ROUNDED 1.001f     /* factor on lengths that rounding must not make too short */
+#define SMR_ROUNDED_MM 1.0e-4f /* added to lengths that rounding must not make too short, mm */
 
-/* What tasks have found of surface a in surface b. */
+/* Depth, contact area and near box of surface a in surface b, as far as tasks have measured them. */
 typedef struct found {
     smr_box near;  /* box around all triangles of a that can reach into b, mm from a's origin */
     float deepest; /* largest depth in b, mm */
-    float sum;     /* area in contact, mm^2; of lines: their length inside both surfaces, mm */
+    float sum;     /* area in contact, mm^2; in tasks over lines: length inside both surfaces, mm */
 } found;
 
 /* Depth and contact area of surface a in surface b, measured at a's triangles and vertices. */
@@ -36,13 +36,12 @@ typedef struct sweep {
 
 /* A place whose signed distance to b is known. */
 typedef struct place {
-    smr_vec at;    /* mm from b's origin */
+    smr_vec at;    /* position of the place, mm from b's origin */
     float side;    /* signed distance, mm; SMR_FAR: unknown */
     uint32_t warm; /* closest triangle of b, to be tried first at the next place; SMR_NONE: none */
 } place;
 
-/* Finds the signed distance of p (mm from b's origin) to b. Returns 0, with p unknown, where p is farther away than
- * `most`, or deeper than `deep`. */
+/* Finds the signed distance of p (mm from b's origin) to b, within `most` outside or `deep` inside; else returns 0. */
 static int find_side(const sweep *s, smr_vec p, float most, float deep, place *to)
 {
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, to->warm};
@@ -50,14 +49,14 @@ static int find_side(const sweep *s, smr_vec p, float most, float deep, place *t
     to->at = p;
     to->side = SMR_FAR;
     if (!smr_box_reaches(&s->around, p, most) ||
-        !smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), &side))
+        !smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), NULL, &side))
         return 0;
     to->side = side.mm < 0.0f && !smr_surface_inside(s->b, p) ? -side.mm : side.mm;
     to->warm = side.triangle;
     return 1;
 }
 
-/* Returns the distance between two places, rounded up. */
+/* Returns the distance between the points p and q, mm, rounded up. */
 static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_ROUNDED + SMR_ROUNDED_MM; }
 
 /* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper
@@ -93,10 +92,8 @@ static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
     for (uint32_t i = 0; i < 3u; i++)
         corner[i] = smr_sub(smr_get3(s->a->xyz, t[i]), s->shift);
     const smr_vec middle = smr_scale(smr_add(corner[0], smr_add(corner[1], corner[2])), 1.0f / 3.0f);
-    for (uint32_t i = 0; i < 3u; i++) {
-        const smr_vec r = smr_sub(corner[i], middle);
-        round2 = smr_max(round2, smr_dot(r, r));
-    }
+    for (uint32_t i = 0; i < 3u; i++)
+        round2 = smr_max(round2, smr_distance2(corner[i], middle));
     const float size = SMR_SQRT(round2), round = size + s->within, moved = apart(middle, last->at);
     if (last->side < SMR_FAR && last->side - moved >= round)
         return;
@@ -111,26 +108,10 @@ static void sample_triangle(const sweep *s, uint32_t k, place *last, found *f)
         smr_box_grow(&f->near, smr_add(corner[i], s->shift));
 }
 
-static const smr_box no_box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
-
-/* Returns the box around all triangles below a node, mm from the surface's origin. */
-static smr_box box_of_node(const smr_node *node)
-{
-    smr_box box = no_box;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH && node->lo[0][k] < SMR_FAR; k++) {
-        smr_box_grow(&box, smr_v(node->lo[0][k], node->lo[1][k], node->lo[2][k]));
-        smr_box_grow(&box, smr_v(node->hi[0][k], node->hi[1][k], node->hi[2][k]));
-    }
-    return box;
-}
-
-static smr_box box_of(const smr_surface *s) { return box_of_node(&s->tree.node[s->tree.level[s->tree.n_levels - 1u]]); }
-
-/* Finds the side of the middle of a leaf of a. Returns 0 when the middle is so far outside of b that no triangle of
- * the leaf can reach b. */
+/* Finds the signed distance of a leaf's middle to b. Returns 0 when no triangle of the leaf can reach b. */
 static int leaf_is_near(const sweep *s, uint32_t leaf, place *middle)
 {
-    const smr_box box = box_of_node(&s->a->tree.node[leaf]);
+    const smr_box box = smr_node_box(&s->a->tree.node[leaf]);
     const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_ROUNDED;
     const smr_vec at = smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift);
     middle->warm = SMR_NONE;
@@ -154,22 +135,22 @@ static void sweep_vertices(const sweep *s, smr_piece piece, found *f)
 
 /* A leaf whose triangles may reach the other surface. */
 typedef struct near_leaf {
-    uint32_t leaf; /* number among the leaves of a, then of b; SMR_NONE: far */
+    uint32_t leaf; /* index among the leaves of a followed by those of b; SMR_NONE: the leaf is far */
     place middle;
 } near_leaf;
 
-/* A measurement in progress. */
+/* smr_surface_contact() in progress. */
 typedef struct contact {
     smr_job_head head;
     sweep sweep[2]; /* of a in b, and of b in a */
     smr_contact_report *report;
-    uint32_t changes[2];             /* smr_surface.changes at the begin */
+    uint32_t changes[2];             /* smr_surface.changes of a and b when the measurement began */
     smr_box box;                     /* box around the overlap, mm from a's origin */
     uint32_t u, v, w;                /* axes across the lines, and along them */
     uint32_t n_u, n_v;               /* numbers of lines along the axes u and v */
     float du, dv;                    /* distances of the lines, mm */
     float length;                    /* length of all lines inside both surfaces so far, mm */
-    found place[SMR_CONTACT_PLACES]; /* results of tasks */
+    found place[SMR_CONTACT_PLACES]; /* results of tasks that are not added to a sweep yet */
     uint32_t leaf, n_near; /* first leaf of a, then of b, that is tested now; number of near ones among those tested */
     near_leaf near[SMR_CONTACT_LEAVES];
 } contact;
@@ -181,7 +162,7 @@ static uint32_t places(const void *job) { return (void)job, SMR_CONTACT_PLACES; 
 static found *place_of(contact *c, uint32_t task)
 {
     found *const f = &c->place[task % SMR_CONTACT_PLACES];
-    *f = (found){no_box, 0.0f, 0.0f};
+    *f = (found){smr_no_box(), 0.0f, 0.0f};
     return f;
 }
 
@@ -218,7 +199,7 @@ static void test_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     c->near[task].leaf = is_near ? leaf : SMR_NONE;
 }
 
-/* Keeps the near leaves, in their order. */
+/* Appends the near leaves among those tested to c->near, in the order of leaves. */
 static void keep_near(void *job, uint32_t first, uint32_t last)
 {
     contact *c = job;
@@ -250,7 +231,7 @@ static void take_triangles(void *job, uint32_t first, uint32_t last)
         take(c, task, c->near[task / SMR_TREE_WIDTH].leaf >= leaves_of(c, 0));
 }
 
-/* Goes back to the test of the next leaves. */
+/* Makes the job test the next leaves, until all leaves are tested. */
 static void next_leaves(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     contact *c = job;
@@ -362,7 +343,7 @@ static int is_unchanged(void *job, int enter)
 /* Returns 1 when the boxes of two closed surfaces are so near that the surfaces can touch. */
 static int can_touch(const smr_surface *a, const smr_surface *b, const sweep *s)
 {
-    const smr_box one = box_of(a);
+    const smr_box one = smr_node_box(smr_tree_root(&a->tree));
     if (a->open || b->open || a->n_fragment + b->n_fragment > 0u)
         return 0;
     const smr_vec nearest = smr_low(smr_high(smr_sub(one.lo, s->shift), s->around.lo), s->around.hi);
@@ -387,11 +368,11 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
     c->report = report;
     c->changes[0] = a->changes;
     c->changes[1] = b->changes;
-    const found none = {no_box, 0.0f, 0.0f};
-    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), box_of(b), within_mm, none};
-    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), box_of(a), within_mm, none};
+    const found none = {smr_no_box(), 0.0f, 0.0f};
+    c->sweep[0] = (sweep){a, b, smr_sub(b->origin, a->origin), smr_node_box(smr_tree_root(&b->tree)), within_mm, none};
+    c->sweep[1] = (sweep){b, a, smr_sub(a->origin, b->origin), smr_node_box(smr_tree_root(&a->tree)), within_mm, none};
     if (!can_touch(a, b, &c->sweep[0]))
-        c->head.stage = SMR_CONTACT_STAGES - 1u; /* all measures are 0 */
+        c->head.stage = SMR_CONTACT_STAGES - 1u; /* only finish() runs: all measures are 0 */
     return SMR_OK;
 }
 

@@ -7,10 +7,10 @@
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_SIDE_NEAR 0.1f    /* mm: below about this distance the direction is the interpolated vertex normal */
+#define SMR_SIDE_NEAR 0.1f    /* mm: distance below which the direction is about the interpolated vertex normal */
 #define SMR_SIDE_TIE 1.00001f /* triangles with squared distances within this factor share the closest edge or corner */
 #define SMR_SIDE_ZERO 1.0e-10f   /* mm^2: smaller squared distances count as 0 */
-#define SMR_WORK_SIDE 800u       /* instructions at most for a triangle that is nearly as close as the closest */
+#define SMR_WORK_SIDE 800u       /* instructions at most for a triangle nearly as close as the closest one */
 #define SMR_STRAIGHT 3.14159265f /* rad: 180 degrees */
 
 /* Returns the arc cosine, rad, to 7e-5 (Abramowitz and Stegun, 4.4.45). */
@@ -33,38 +33,20 @@ static float angle_at(const smr_box_tree *f, const smr_near *near)
     return angle_of(smr_dot(a, b));
 }
 
-/* Returns the weighted height of p above the triangles at the closest point, positive outside. Two equally close
- * triangles share an edge and have equal weight; more share a corner and are weighted by their angles. */
-static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *list, float d2)
-{
-    const float tie = d2 * SMR_SIDE_TIE + SMR_SIDE_ZERO;
-    float height = 0.0f;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < list->n; i++)
-        n += list->item[i].d2 <= tie;
-    for (uint32_t i = 0; i < list->n; i++) {
-        const smr_near *near = &list->item[i];
-        const smr_vec r = smr_sub(p, smr_triangle_point(f, near->triangle, near->weight));
-        if (near->d2 <= tie)
-            height += smr_dot(r, smr_get3(f->normal, near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
-    }
-    return height;
-}
-
-int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side)
-{
-    return smr_signed_distance_within(f, normal, q, most, NULL, side);
-}
-
-int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const smr_query *q, float most,
-                               smr_pause *pause, smr_side *side)
+int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_pause *pause,
+                        smr_side *side)
 {
     smr_certainty known = {-1.0f, 0.0f, 0, pause};
     smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};
     smr_near_list list;
     smr_vec from = smr_v(0, 0, 0), along = from;
+    float height = 0.0f; /* weighted height of the point above the triangles at the closest point, positive outside */
+    uint32_t n_ties = 0;
     if (!smr_tree_near(f, q, &hit, &list, &known) || hit.triangle == SMR_NONE)
         return 0;
+    const float tie = hit.d2 * SMR_SIDE_TIE + SMR_SIDE_ZERO, distance = SMR_SQRT(hit.d2);
+    for (uint32_t i = 0; i < list.n; i++)
+        n_ties += list.item[i].d2 <= tie;
     for (uint32_t i = 0; i < list.n; i++) {
         const smr_near *near = &list.item[i];
         const smr_vec r = smr_sub(q->point, smr_triangle_point(f, near->triangle, near->weight));
@@ -72,8 +54,10 @@ int smr_signed_distance_within(const smr_box_tree *f, const float *normal, const
         const smr_corner_values at =
             smr_corners_of(normal, smr_triangle_of(f->triangle, near->triangle, f->n_vertices));
         along = smr_add(along, smr_scale(smr_corners_mean(at, near->weight), near->share));
+        if (near->d2 <= tie) /* two triangles share an edge and weigh alike; more share a corner and weigh by angles */
+            height += smr_dot(r, smr_get3(f->normal, near->triangle)) * (n_ties > 2u ? angle_at(f, near) : 1.0f);
     }
-    const float sign = height_of(f, q->point, &list, hit.d2) < 0.0f ? -1.0f : 1.0f, distance = SMR_SQRT(hit.d2);
+    const float sign = height < 0.0f ? -1.0f : 1.0f;
     const smr_vec direction = smr_add(smr_scale(from, sign), smr_scale(along, SMR_SIDE_NEAR));
     if (pause != NULL)
         smr_work(pause, list.n * SMR_WORK_SIDE);

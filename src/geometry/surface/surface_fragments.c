@@ -8,11 +8,11 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_FRAGMENT_PART 256u  /* an open component of at most 1 / this of all triangles is a fragment */
+#define SMR_FRAGMENT_PART 256u  /* an open component is a fragment up to n_triangles / SMR_FRAGMENT_PART triangles */
 #define SMR_FRAGMENT_LEAST 512u /* a surface of fewer triangles has no fragments */
-#define SMR_FRAGMENT_SHARE 8u   /* fragments of more than 1 / this of all triangles are not treated as fragments */
+#define SMR_FRAGMENT_SHARE 8u   /* there are no fragments if they would hold over n_triangles / SMR_FRAGMENT_SHARE */
 
-/* Union-find arrays [n_triangles]: each triangle's parent; a root's triangles; a root's border edges. */
+/* Union-find arrays [n_triangles]: parent of each triangle; a root's numbers of triangles, and of border edges. */
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }

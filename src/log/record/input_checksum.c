@@ -35,8 +35,6 @@ static uint64_t add_cloud(const smr_surface *s)
     return add_values(sum, s->area, s->n_vertices);
 }
 
-uint64_t smr_cloud_checksum(const smr_points *points) { return closed(add_cloud(&points->surface)); }
-
 uint64_t smr_target_checksum(const smr_surface *surface)
 {
     return smr_is_cloud(surface) ? closed(add(add_cloud(surface), surface->capacity)) : smr_surface_checksum(surface);
@@ -47,7 +45,7 @@ uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)
     return closed(add_values(add_points(n, goals->xyz, n), goals->weights, goals->weights != NULL ? n : 0u));
 }
 
-uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n)
+static uint64_t motion_checksum(const smr_motion *motion, uint32_t n)
 {
     uint64_t sum = add(n, (motion->mass != NULL ? 1u : 0u) + (motion->velocity != NULL ? 2u : 0u));
     sum = add_values(sum, motion->mass, motion->mass != NULL ? n : 0u);
@@ -107,10 +105,10 @@ uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n)
     if (what == NULL)
         return 0;
     switch (kind) {
-    case SMR_LOG_POINTS: return smr_cloud_checksum(what);
+    case SMR_LOG_POINTS: return closed(add_cloud(&((const smr_points *)what)->surface));
     case SMR_LOG_VOLUME: return smr_volume_checksum(what);
     case SMR_LOG_POSITIONS: return smr_points_checksum(what, n);
-    case SMR_LOG_MOTION: return smr_motion_checksum(what, n);
+    case SMR_LOG_MOTION: return motion_checksum(what, n);
     case SMR_LOG_GOALS: return ((const smr_goals *)what)->xyz == NULL ? 0u : smr_goals_checksum(what, n);
     default: return smr_surface_checksum(what);
     }

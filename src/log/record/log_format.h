@@ -16,8 +16,8 @@
 /* Words of the configuration: for each setting a head and its value. budget_exact and reference_prior are written only
  * where they differ from the default, so that all other logs and saves are as they were before these settings. */
 enum {
-    SMR_LOG_PRIOR = 54, /* number of reference_prior */
-    SMR_LOG_EXACT = 77, /* number of budget_exact */
+    SMR_LOG_PRIOR = 54, /* number of the setting reference_prior in logs */
+    SMR_LOG_EXACT = 77, /* number of the setting budget_exact in logs */
     SMR_LOG_LATE_WORDS = 2,
     SMR_LOG_CONFIG_WORDS = -2 * SMR_LOG_LATE_WORDS
 #define SMR_GROUP(title)
@@ -72,14 +72,11 @@ void smr_log_put_config(unsigned char *to, const smr_config *config);
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);
 /* Return checksums of the numbers of an input, not of their bytes in memory: equal on all processors, and never 0. */
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
-uint64_t smr_cloud_checksum(const smr_points *points);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
-uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
-uint64_t smr_target_checksum(
-    const smr_surface *surface); /* returns the checksum of a mesh, or of a cloud's points and capacity */
+uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh; of a cloud's points and capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
-/* Returns the checksum of the input `what` of this kind, both as in smr_log_note(); 0 when the input is taken away. */
+/* Returns the checksum of the input `what` of this kind, see smr_log_note(); 0 when the input is taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);

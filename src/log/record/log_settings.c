@@ -7,7 +7,7 @@
 #include "base/settings.h"
 #include "log/record/log_format.h"
 
-#define SMR_LOG_WORDS_V1 45u /* words of the configuration in a log of version 1 */
+#define SMR_LOG_WORDS_V1 45u /* number of 32-bit words of the configuration in a log of version 1 */
 #define SMR_LOG_COVERAGE 3u  /* first version of logs with partial targets; in older logs targets are whole */
 
 typedef struct log_row {

@@ -14,18 +14,18 @@
 #include "options/contact/contact.h"
 
 #define SMR_CONTACT_DEEP 10.0f  /* mm: depth beyond which a vertex, at its first search, is not pushed out */
-#define SMR_CONTACT_BAND 0.5f   /* mm beyond config.contact.gap_mm where contacts start; from half of it they weigh 1 */
+#define SMR_CONTACT_BAND 0.5f   /* width of the band beyond gap_mm in which weights of contacts rise from 0, mm */
 #define SMR_REACH_NEAR 1.25f    /* search radius / (gap_mm + SMR_CONTACT_BAND) of vertices that were near a surface */
 #define SMR_REACH_FAR 4.0f      /* search radius / (gap_mm + SMR_CONTACT_BAND) of all other vertices */
 #define SMR_FACING_NONE (-0.5f) /* cosine of exit direction and inward normal at or below which contacts weigh 0 */
 #define SMR_FACING_FULL (-0.3f) /* cosine of exit direction and inward normal at or above which contacts weigh 1 */
 #define SMR_PASSED 4.0f         /* exit depth / depth of the nearest triangle above which a contact loses weight */
 #define SMR_TRIANGLES_LAST 2u   /* number of last iterations that test triangles' centres; with more, vertices drift */
-#define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres is gap_mm plus this, mm */
+#define SMR_TRIANGLE_REACH 3.0f /* search radius of triangles' centres - gap_mm, mm */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
-#define SMR_WORK_PROBE 4000u /* instructions at most for a point of the surface, ... */
-#define SMR_WORK_BODY 40u    /* ... for a body, and for a triangle nearly as close as the closest */
-#define SMR_WORK_NEAR 800u
+#define SMR_WORK_PROBE 4000u  /* instructions at most to begin the test of a point of the surface, ... */
+#define SMR_WORK_BODY 40u     /* ... to test the box of a body, ... */
+#define SMR_WORK_NEAR 800u    /* ... for a triangle nearly as close as the closest one */
 #define SMR_PROJECT_CHUNK 64u /* number of vertices or triangles in a task of the projection */
 #define SMR_PROJECT_PASSES 3u /* number of passes of the projection over all contacts */
 
@@ -94,19 +94,12 @@ static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec 
     return &surface->tree;
 }
 
-/* Stores the box of a body. A body without contacts gets a box whose low corner lies above the high one. */
+/* Stores the box of a body; for a body without contacts a box without points. */
 static void place_box(smr_contact *c, uint32_t body)
 {
     smr_vec shift;
     const smr_box_tree *f = body_of(c, body, &shift);
-    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
-    for (uint32_t k = 0; f != NULL && f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
-        const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
-        if (!(root->lo[0][k] < SMR_FAR))
-            continue; /* child k of the root is empty */
-        box.lo = smr_low(box.lo, smr_v(root->lo[0][k], root->lo[1][k], root->lo[2][k]));
-        box.hi = smr_high(box.hi, smr_v(root->hi[0][k], root->hi[1][k], root->hi[2][k]));
-    }
+    const smr_box box = f != NULL && f->n_levels > 0u ? smr_node_box(smr_tree_root(f)) : smr_no_box();
     c->box[body] = (smr_box){smr_add(box.lo, shift), smr_add(box.hi, shift)};
 }
 
@@ -151,7 +144,7 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
 {
     const float nearest = -side->mm;
     q.min_cos = SMR_FACING_NONE;
-    if (!smr_signed_distance_within(f, normal, &q, SMR_CONTACT_DEEP, pause, side) || side->mm > 0.0f)
+    if (!smr_signed_distance(f, normal, &q, SMR_CONTACT_DEEP, pause, side) || side->mm > 0.0f)
         return 0.0f;
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
@@ -175,7 +168,7 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
     const smr_query q = {smr_sub(p->at, shift), p->inward, -2.0f, c->shared->config.forces.node_budget, SMR_NONE};
     if (w->task.contact.leaves)
         return face_out(f, normal, q, &w->pause, side);
-    if (!smr_signed_distance_within(f, normal, &q, reach, &w->pause, side))
+    if (!smr_signed_distance(f, normal, &q, reach, &w->pause, side))
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
@@ -205,7 +198,7 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
     touch[n - 1u] = *more;
 }
 
-/* Adds the contact with a body, of this weight, to touch[n]. */
+/* Adds the contact with a body, of weight `counts`, to touch[n]. */
 static void note(const smr_contact *c, uint32_t body, float counts, smr_worker *w, smr_touch *touch, uint32_t n)
 {
     const smr_side *side = &w->task.contact.side;
@@ -360,9 +353,8 @@ static float displacement_along(const smr_contact *c, const place *p, smr_vec ou
 static void move(const smr_contact *c, const place *p, smr_vec out, float mm)
 {
     for (uint32_t k = 0; k < p->n; k++) {
-        float *x = smr_at3(c->shape->x_next, p->vertex[k]);
         const float share = p->weight[k] / smr_mass(c->shared, p->vertex[k]);
-        smr_store(x, smr_add(smr_load(x), smr_scale(out, mm * share)));
+        smr_add3(c->shape->x_next, p->vertex[k], smr_scale(out, mm * share));
     }
 }
 

@@ -34,7 +34,7 @@ typedef struct smr_touch {
 typedef struct smr_fixed_surface {
     const smr_surface *surface;   /* the caller's surface; NULL: no surface is set */
     uint32_t n_vertices, changes; /* number of vertices and change counter of the surface when it was set */
-    uint32_t guard, body;         /* as in smr_target */
+    uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
 } smr_fixed_surface;
 
 typedef struct smr_contact {
@@ -75,7 +75,7 @@ static inline int smr_contact_on(const smr_contact *c)
 /* Write the contacts of vertex v to `touch`; triangle_touch[triangle]. w->pause.kept: the same call continues. */
 void smr_contact_find(smr_contact *c, uint32_t v, smr_worker *w);
 void smr_contact_find_triangle(smr_contact *c, uint32_t triangle, smr_worker *w);
-uint32_t smr_contact_work(const smr_contact *c); /* instructions at most of a point's contacts without the searches */
+uint32_t smr_contact_work(const smr_contact *c); /* returns instructions at most of a point's contacts, but searches */
 
 /* Returns v's share, mm, of the displacement that ends penetration after each vertex w moves by displaced(ctx, w). */
 typedef smr_vec (*smr_displacement)(const void *ctx, uint32_t v);
@@ -118,7 +118,7 @@ static inline int smr_volumes_used(const smr_volumes *v) { return SMR_HAS_CONTAC
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);
 void smr_volumes_model(smr_volumes *v);        /* computes the rest shape's volumes; sets ratios to 1 */
 void smr_volumes_scale(smr_volumes *v);        /* sets rest_mm3 and thick_mm from the scale of the start */
-void smr_volumes_start(smr_volumes *v);        /* smr_volumes_scale(), then `now` from present volumes */
+void smr_volumes_start(smr_volumes *v);        /* calls smr_volumes_scale(); sets `now` from present volumes */
 void smr_volumes_begin(smr_volumes *v);        /* when an iteration begins: sets ratio_at_begin to ratio */
 int smr_volumes_pending(const smr_volumes *v); /* returns 1 when a volume has not reached its ratio */
 void smr_volumes_commit(smr_volumes *v);       /* after an iteration: moves `now` a step towards the caller's ratios */
@@ -140,7 +140,7 @@ typedef struct smr_smooth {
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
 void smr_smooth_rest(smr_smooth *s);  /* computes `height` while the positions are those at rest */
-void smr_smooth_start(smr_smooth *s); /* for a new start or restored positions: sets `side` */
+void smr_smooth_start(smr_smooth *s); /* sets `side` for a new start or restored positions */
 
 /* Step: sums the positions of each vertex' mesh neighbours. Tasks run one after the other. */
 smr_count_tasks smr_smooth_tasks;

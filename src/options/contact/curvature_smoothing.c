@@ -9,7 +9,7 @@
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
 {
     if (shared->config.contact.smooth > 0.0f)
-        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* not saved: recomputed */
+        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* a restore recomputes heights */
 }
 
 uint32_t smr_smooth_tasks(const void *arg)

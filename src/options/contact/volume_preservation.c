@@ -129,7 +129,6 @@ void smr_volume_correct(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         sum_piece(v, first, smr_min_u32(first + SMR_TRIANGLE_CHUNK, v->shared->n_triangles));
     for (uint32_t i = (task - n) * SMR_CHUNK; task >= n && i < smr_chunk_end(v->shared, task - n); i++) {
         const float displacement = v->kept[smr_model_owner(v->shared->model, i)].displacement_mm;
-        const smr_vec step = smr_scale(smr_next_normal(v->sum, i), displacement);
-        smr_put3(v->shape->x_next, i, smr_add(smr_get3(v->shape->x_next, i), step));
+        smr_add3(v->shape->x_next, i, smr_scale(smr_next_normal(v->sum, i), displacement));
     }
 }

@@ -45,7 +45,6 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
 void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
 {
     const smr_config *c = &shared->config;
-    d->shared = shared;
     d->step_s = 0.001f * c->dynamics.step_ms;
     d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
     d->springs = c->dynamics.elastic * d->step_s * d->step_s * d->keeps;
@@ -129,7 +128,7 @@ void smr_time_steps_weigh(smr *s)
     const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* most pinned vertices of a cluster */
+    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* pinned vertices in a cluster */
     const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
     d->gram = mean;
     c->mass_max = c->mass_sum = 0.0f;

@@ -30,7 +30,7 @@ enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_SPIN, SMR_WORK, SMR_PU
 /* Sums of a time step for a structure; for a group (structures that share clusters), in its first structure. */
 typedef struct smr_step_sums {
     float energy[SMR_STEP_ENERGIES];
-    uint32_t fixed;          /* 1: the group has pinned vertices; its rigid motion counts as 0 */
+    uint32_t fixed;          /* 1: the group has pinned vertices, and the group's rigid motion counts as 0 */
     float mass;              /* mass of the group's vertices, g */
     smr_vec speed;           /* mean velocity of the group at the start of the step, mm/s */
     smr_vec displacement;    /* mean displacement of the group in the step, mm */
@@ -44,7 +44,6 @@ typedef struct smr_step_sums {
 } smr_step_sums;
 
 typedef struct smr_dynamics {
-    const smr_shared *shared;
     float step_s;  /* h: length of a time step, s */
     float keeps;   /* 1 / (1 + h c): factor by which the damping c scales velocities in a time step */
     float springs; /* keeps * k h^2: elastic stiffness k, damped / inertial stiffness 1 / h^2 */

@@ -113,11 +113,9 @@ float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t
     const smr_bound_landmark *b = &g->landmark[k];
     const smr_vec at = smr_get3(g->shape->start, v);
     float least = g->reach * g->reach;
-    for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec d = smr_sub(at, smr_get3(g->shape->start, b->corner[c]));
+    for (uint32_t c = 0; c < 3u; c++)
         if (b->share[c] > 0.0f)
-            least = smr_min(least, smr_dot(d, d));
-    }
+            least = smr_min(least, smr_distance2(at, smr_get3(g->shape->start, b->corner[c])));
     return smr_wendland(SMR_SQRT(least) / g->reach);
 }
 

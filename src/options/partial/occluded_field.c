@@ -22,16 +22,16 @@
 #define SMR_FIELD_CHUNK 16u    /* number of controls in a task, except in the Cholesky factor's, a column each */
 #define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark / variance of the field */
 
-/* State of the choice of controls. It lies in the memory of the Cholesky factor, which is computed later. */
+/* State of the choice of controls, in the memory of the Cholesky factor, which is computed later. */
 typedef struct smr_choice {
     uint32_t control[SMR_FIELD_ROWS]; /* [n] stored vertices that are controls */
     uint32_t n;                       /* number of controls chosen so far */
-    uint32_t total, passed;           /* number of visible vertices; number of those already looked at */
+    uint32_t total, passed;           /* number of visible vertices; number of visible vertices already looked at */
 } smr_choice;
 
 _Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "the choice lies over the factor");
 
-/* Returns the largest number of controls. Without landmarks it grows with the model, as does the sums' memory. */
+/* Returns the largest number of controls, which without landmarks grows with the model, as the sums' memory does. */
 static uint32_t most_of(const smr_shared *shared)
 {
     const uint32_t n_landmarks = shared->config.partial.n_landmarks;
@@ -86,7 +86,7 @@ static void count_visible(smr_occluded_field *f, uint32_t task)
 }
 
 /* Chooses controls: every k-th visible vertex in stored order, which runs through the whole model. Inactive vertices
- * count, too: a budget may change their number, which a replay does not know. */
+ * may be chosen, too: a budget may change their number, which a replay does not know. */
 static void choose(smr_occluded_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
@@ -320,10 +320,8 @@ void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_
 static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, uint32_t last)
 {
     float least = SMR_FAR;
-    for (uint32_t k = first; k < last; k++) {
-        const smr_vec d = smr_sub(at, smr_get3(f->start, k));
-        least = smr_min(least, smr_dot(d, d));
-    }
+    for (uint32_t k = first; k < last; k++)
+        least = smr_min(least, smr_distance2(at, smr_get3(f->start, k)));
     return least;
 }
 
@@ -344,7 +342,7 @@ float smr_landmark_field_solve(smr_occluded_field *f)
     find_residuals(f, 0, f->n);
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
-    smr_solve_forward3(f->lower, f->n, f->coefficient);
+    smr_solve_rows_forward3(f->lower, f->n, 0, f->n, f->coefficient);
     for (uint32_t i = 0; i < f->n; i++) /* sums y^T K^-1 y = |L^-1 y|^2, whose mean is the field's variance */
         sum += smr_dot(smr_get3(f->coefficient, i), smr_get3(f->coefficient, i));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);

@@ -34,8 +34,7 @@ float *smr_field_start(const smr_occluded_field *f)
 /* Returns the covariance of the field at positions a and b, divided by the field's variance. */
 static float kernel(const smr_occluded_field *f, smr_vec a, smr_vec b)
 {
-    const smr_vec d = smr_sub(a, b);
-    const float d2 = smr_dot(d, d), smooth = smr_kernel(d2, f->per_length2);
+    const float d2 = smr_distance2(a, b), smooth = smr_kernel(d2, f->per_length2);
     const float near = f->rough > 0.0f ? smr_kernel(d2, f->per_rough2) : 0.0f;
     return smooth + f->rough * (near * near * near);
 }

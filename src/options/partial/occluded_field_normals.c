@@ -8,18 +8,16 @@
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "geometry/surface/mesh.h"
 #include "options/partial/partial.h"
 #include "options/references/references.h"
 
 #define SMR_GOLDEN 2654435769u    /* 2^32 times the golden ratio's fractional part, whose multiples spread evenly */
 #define SMR_FIELD_TURN 3u         /* number of positions by which the order of vertices shifts in each iteration */
 #define SMR_FIELD_SHEET 0.5f      /* |sum of area vectors| / area above which the model is a sheet */
-#define SMR_FIELD_FAR 9.999999e6f /* mm: fields with larger coefficients or poses are discarded */
+#define SMR_FIELD_FAR 9.999999e6f /* mm: largest coefficient or pose entry of a field that is not discarded */
 #define SMR_TURN_MOST 0.1f        /* smallest value used for 1 + trace(R), a divisor that is 0 at half a turn */
 #define SMR_SIZE_MOST 2.0f        /* largest factor by which one solution changes the pose's scale */
 
-/* Returns 1 when goals hold the model along normals only: a partial target, no landmark, no tracked image, no sheet. */
 uint32_t smr_field_normals_only(const smr_occluded_field *f)
 {
     uint32_t open = 0;
@@ -168,7 +166,7 @@ void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control,
         if (smr_blends(f->shape))
             add_references(f, k, v);
     }
-    /* the prior variance of the shapes' motions is 1 / prior of their mean variance; weights stay in tracking */
+    /* prior variance of a weight: 1 / (prior * mean square of the references' motions); constant while tracking */
     if (last == f->n && smr_blends(f->shape) && !f->schedule->tracking)
         f->unit = (float)f->n / (SMR_MOTION_VARIANCE * f->shared->config.references.prior * f->apart2);
 }

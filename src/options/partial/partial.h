@@ -31,7 +31,7 @@ int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure);
 void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                           smr_vec displacement);
 void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight);
-/* Returns the visibility of vertex v, 0..1. On a whole target it is 1 with a goal and 0 without. */
+/* Returns the visibility of vertex v, 0..1. On a whole target the visibility is 1 with a goal, 0 without. */
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
 /* Returns 1 when at most 70 % of the structure of v is visible, 0 from 90 % on, and values between. */
 float smr_visibility_partial(const smr_surface_goals *g, uint32_t v);
@@ -69,7 +69,7 @@ smr_run_task smr_point_spread_run;
 /* A landmark and the part of the model that it is bound to. */
 typedef struct smr_bound_landmark {
     smr_landmark given;
-    uint32_t corner[3]; /* stored vertices of the foot's triangle; a landmark on a vertex has this vertex thrice */
+    uint32_t corner[3]; /* stored vertices of the foot's triangle; for a landmark on a vertex, thrice that vertex */
     float share[3];     /* barycentric weights of the foot: the surface point closest to the landmark */
     smr_vec foot;       /* foot's rest position, mm from the model's centre */
     smr_vec offset;     /* vector from the foot to the landmark at rest, mm */
@@ -132,7 +132,7 @@ typedef struct smr_occluded_field {
     const smr_shape *shape;
     const smr_surface_goals *goals;
     const smr_landmark_goals *landmarks;
-    const uint8_t *found;        /* [n] what each vertex' search found, SMR_FOUND_..., in the last complete forces */
+    const uint8_t *found;        /* [n] result of each vertex' search, SMR_FOUND_..., in the last complete forces */
     const uint32_t *has_image;   /* 1: structures without a target surface follow an image */
     const uint32_t *n_invisible; /* number of vertices that the image does not show */
     uint32_t most;               /* largest number of controls that the memory holds */
@@ -143,7 +143,7 @@ typedef struct smr_occluded_field {
     float *motion;         /* [most][n_motions] displacement along a control's normal by each unit motion */
     float *whitened;       /* [most] residual i given those before, in standard deviations: the current try */
     float *residual;       /* [most] goal minus posed start along the normal, mm; after the solution: coefficient */
-    uint32_t n_motions;    /* SMR_FIELD_MOTIONS, and a motion for each reference: its difference from the mean shape */
+    uint32_t n_motions;    /* SMR_FIELD_MOTIONS, plus the number of references: each one's difference from the mean */
     float unit;            /* prior variance of a reference's weight / motion_variance, 1 / mm^2; 0: weights stay */
     float apart2;          /* sum of squares of the references' motions along normals at the controls, mm^2 */
     float back[SMR_FIELD_MOTIONS]; /* motions from the pose to the start; after the fit, to the fitted pose */
@@ -157,8 +157,8 @@ typedef struct smr_occluded_field {
     float rough, per_rough2;       /* kernel's short term: variance, 0: none; 1 / length^2, 1 / mm^2 */
     float motion_variance;         /* variance of the seven motions / variance of the field */
     float rough_noise;             /* noise variance that the short term adds to each control */
-    float likelihood;              /* 2 log2(likelihood) of the likeliest roughness tried so far */
-    uint32_t likeliest;            /* index of the likeliest roughness tried so far */
+    float likelihood;              /* 2 log2(likelihood) of the likeliest variance of the short term tried so far */
+    uint32_t likeliest;            /* index of the likeliest variance of the short term tried so far */
     float square, log;             /* sums in the current try: whitened^2; -2 log2(diagonal of the factor) */
 } smr_occluded_field;
 
@@ -191,14 +191,14 @@ float *smr_field_start(const smr_occluded_field *f);
 int smr_field_hard(const smr_occluded_field *f, uint32_t k); /* returns 1 for a hard landmark */
 /* Returns the covariance of the field at a position with control k. sharp: 1: includes hard landmarks' short field. */
 float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k, int sharp);
-/* Returns the covariance of what is known at controls i and j, j <= i, without noise. */
+/* Returns the covariance of the values known at controls i and j, j <= i, without noise. */
 float smr_occluded_field_between(const smr_occluded_field *f, uint32_t i, uint32_t j);
 /* Runs one of SMR_FIELD_TRIES * SMR_TRY_TASKS tasks that try each roughness. The last task sets the likeliest one. */
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
 
 size_t smr_occluded_field_words(const smr_shared *shared); /* returns 32-bit words that the field needs */
-void smr_occluded_field_wire(smr_occluded_field *f,
-                             const smr_overlay *overlay); /* places the field's arrays in smr_overlay.sum */
+/* Places the field's arrays in overlay->sum. */
+void smr_occluded_field_wire(smr_occluded_field *f, const smr_overlay *overlay);
 
 /* Returns 1 while images are tracked, which do not hold a structure along its surface. */
 static inline int smr_field_of_image(const smr_occluded_field *f)
@@ -235,8 +235,8 @@ smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
 smr_vec smr_occluded_field_follow(const smr_occluded_field *f, uint32_t v);
 /* Adds the field's displacement along the surface to *displacement, mm, and averages with the field by visibility. */
 void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement);
-/* Averages *displacement, mm, of a vertex without a goal, with the field's. The field gets more weight as the nearest
- * landmark becomes nearer than the nearest visible control. */
+/* Averages *displacement, mm, of a vertex without a goal, with the field's, whose weight is c / (c + l). c, l: squared
+ * distances to the nearest visible control and to the nearest landmark. */
 void smr_occluded_field_fill(const smr_occluded_field *f, uint32_t v, smr_vec *displacement);
 /* While images are tracked: a vertex with an image goal moves along the surface with the field, every other vertex
  * with the field alone. found: result of the image search. Returns SMR_NO_GOAL for an outlier. */

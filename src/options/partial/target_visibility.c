@@ -11,14 +11,14 @@
 #define SMR_VISIBLE_WHOLE 0.9f   /* share of visible vertices below which a closed target counts as a part */
 #define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which smr_visibility_partial() is 1 */
 #define SMR_VISIBLE_COS 0.6f     /* cosine of vertex' and target's normals from which the goal has full weight */
-#define SMR_VISIBLE_STEADY 8u    /* changes of a visibility, 0 .. 255, up to this are ignored, so that goals converge */
+#define SMR_VISIBLE_STEADY 8u    /* largest change of a visibility, 0 .. 255, that is ignored, so that goals converge */
 #define SMR_OFF_EDGES 0.5f       /* factor on the mean edge length in the tolerance of goals */
 #define SMR_OFF_RADII 0.1f       /* factor on the cluster radius in the tolerance of goals */
 #define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance of goals, mm */
 #define SMR_MUTUAL_DISTANCE 0.2f /* part of the tolerance of mutual goals / mean distance of closest points */
-#define SMR_MUTUAL_NONE 1.5f     /* distance / tolerance from which a mutual goal has weight 0; at 1 it has 0.5 */
-#define SMR_VISIBLE_CHUNK 1024u  /* vertices in a task that counts visible ones */
-#define SMR_POINTS_FULL 0.22f    /* weight of points / mean weight from which a vertex is fully visible */
+#define SMR_MUTUAL_NONE 1.5f    /* distance / tolerance from which a mutual goal has weight 0; at 1 the weight is 0.5 */
+#define SMR_VISIBLE_CHUNK 1024u /* number of vertices in a task that counts visible vertices */
+#define SMR_POINTS_FULL 0.22f   /* weight of points / mean weight from which a vertex is fully visible */
 
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }

@@ -27,7 +27,8 @@ void smr_tracking_momentum(smr *s);  /* when targets are known: sets the iterati
 void smr_tracking_find_jump(smr *s); /* when forces are complete: sets schedule.jumped, 1 after a jump of targets */
 void smr_tracking_next(smr *s);      /* after an iteration: sets the next radius after a jump, or `settled` */
 
-/* Returns how far the search distances in an image have fallen for the present targets, 0..1; 1: smallest distance. */
+/* Returns how far search distances in an image have fallen for the present targets, 0..1: 0 at coarser radii, rising to
+ * 1, the smallest distance, in the first half of the iterations at tracking's radius. */
 float smr_tracking_progress(const smr *s);
 
 void smr_tracking_keep(smr_arena *a, smr *s); /* saves or restores schedule's tracking fields */

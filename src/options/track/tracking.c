@@ -13,7 +13,7 @@
 #define SMR_TRACK_SOUGHT 0.5f    /* mean distance of goals / image search distance above which targets jumped */
 #define SMR_TRACK_FEWER 0.8f     /* share of vertices with goals / last share below which half the distance is a jump */
 #define SMR_TRACK_LOST 0.9f      /* SMR_TRACK_FEWER with an image, where vertices may find wrong goals nearby */
-#define SMR_TRACK_NARROWING 0.5f /* share of a target's iterations, the first ones, in which image searches narrow */
+#define SMR_TRACK_NARROWING 0.5f /* number of first iterations in which image searches narrow / track.iterations */
 #define SMR_TRACK_COARSE 24u     /* number of iterations at all coarser radii together after a jump */
 #define SMR_TRACK_STILL 0.2f     /* displacement / (stiffness * typical residual) below which the model rests */
 #define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum at radii after a jump: with more the model oscillates */
@@ -36,7 +36,7 @@ void smr_tracking_momentum(smr *s)
     s->schedule.momentum = smr_min(s->shared.config.motion.momentum, most);
 }
 
-/* Starts iterations at the cluster radius with this index. */
+/* Starts iterations at the cluster radius with the index `radius`. */
 static void go_to(smr *s, uint32_t radius)
 {
     smr_radius_go(s, radius);
@@ -81,8 +81,7 @@ void smr_tracking_start(smr *s)
 {
     s->schedule.tracking = s->schedule.settled = 1;
     s->schedule.jumped = s->schedule.recovering = 0;
-    s->schedule.changed =
-        s->forces.unmeasured ? SMR_CHANGED : 0u; /* unmeasured: a target is newer than the last forces */
+    s->schedule.changed = s->forces.unmeasured ? SMR_CHANGED : 0u; /* a target may be newer than the last forces */
     s->schedule.found = share_found(s);
     s->schedule.noise_mm = smr_residual_typical(&s->forces.surface);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
@@ -109,7 +108,6 @@ static float gain_of(const smr *s)
     return smr_min((float)t->n_with_target / (float)t->n_forces, SMR_TRACK_GAIN);
 }
 
-/* Returns 0 at coarser radii; at tracking's radius a progress that rises to 1 in the first half of the iterations. */
 float smr_tracking_progress(const smr *s)
 {
     const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
@@ -118,8 +116,7 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
-/* Returns the share of vertices with a target that have a goal without the image. Goals from the image count, except
- * where it completed a partial view. */
+/* Returns the share of vertices with a target that have a goal, but not from an image that completes a partial view. */
 static float share_without_image(const smr *s)
 {
     const smr_surface_goals *g = &s->forces.surface;

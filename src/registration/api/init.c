@@ -106,13 +106,13 @@ static void wire(smr *s)
     s->reference.shape = s->evolve.shape = tangent->shape = s->volumes.shape = s->folds.shape = &s->shape;
     f->shape = f->surface.shape = f->landmarks.shape = f->points.shape = f->image.shape = f->caller.shape =
         f->smooth.shape = f->contact.shape = &s->shape;
-    f->tally = s->sums.tally = s->reference.tally = s->match.tally = s->evolve.tally = s->folds.tally = overlay->tally;
+    f->tally = s->reference.tally = s->match.tally = s->evolve.tally = s->folds.tally = overlay->tally;
     wire_sources(f, overlay);
     f->contact.moved_mm = &s->evolve.moved_mm;
     s->sums.record = overlay->record;
     s->sums.sum = overlay->sum;
     s->volumes.sum = overlay->sum;
-    s->sums.forces = s->evolve.forces = f;
+    s->sums.forces = f;
     s->reference.sums = &s->sums;
     s->match.sums = s->evolve.sums = &s->sums;
     s->match.reference = s->evolve.reference = &s->reference;

@@ -1,7 +1,6 @@
 /* config.c: defaults and ranges of the configuration, from the table of settings; checks against the model.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
-#include "geometry/surface/mesh.h"
 #include "registration/config/config.h"
 
 #define SMR_PAPER_ITERATIONS 120u /* iterations of a radius, as in the paper's figures; the paper gives no number */

@@ -21,7 +21,6 @@ typedef struct smr_tangent_smooth {
 typedef struct smr_evolve {
     const smr_shared *shared;
     const smr_shape *shape;
-    const smr_forces *forces;
     const smr_reference *reference;
     const smr_sums *sums;
     smr_tangent_smooth tangent_smooth;
@@ -45,7 +44,7 @@ uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* returns a hash of 
 void smr_tangent_begin(smr_tangent_smooth *e); /* chooses `share`, the strength of smoothing, for an iteration */
 smr_count_tasks smr_tangent_tasks, smr_tangent_sum_tasks;
 smr_run_task smr_tangent_clear, smr_tangent_sum;
-smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* smoothing displacement of v, mm */
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* returns v's smoothing, mm */
 
 /* Raises limited[v] to the share of the step of vertex v that a fold step removed. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)

@@ -1,4 +1,4 @@
-/* fold_dihedrals.c: the cosine of a dihedral edge, runs of triangles, and pieces of passes, for all steps of folds.
+/* fold_dihedrals.c: the cosine of a dihedral edge, runs of triangles, and passes, for all steps of folds.
  * Bounds: two triangles for each dihedral edge.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -22,18 +22,28 @@ float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedra
     return smr_dot(normal_at(f, x, smr_edge_first(f, h)), normal_at(f, x, smr_edge_second(f, h)));
 }
 
-smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk)
+uint32_t smr_folding_from(const smr_folds *f, uint32_t structure)
 {
+    while (structure < f->shared->n_structures && !f->folding[structure])
+        structure++;
+    return structure;
+}
+
+int smr_fold_run(smr_folds *f, smr_fold_pass *p, const smr_fold_stage *stages)
+{
+    const smr_fold_stage *stage = &stages[p->stage];
     const smr_shape_structure *one = &f->shape->structure[p->structure];
-    smr_fold_piece piece = {0, 0, 0, f->shared->n_dihedrals};
-    if (over == SMR_OVER_TRIANGLES) {
-        piece.first = one->first_triangle;
-        piece.length = one->tree.n_triangles;
-    } else if (over == SMR_OVER_VERTICES) {
-        piece.first = one->first_vertex;
-        piece.length = one->n_vertices;
+    uint32_t first = 0, length = f->shared->n_dihedrals;
+    if (stage->over == SMR_OVER_TRIANGLES) {
+        first = one->first_triangle;
+        length = one->tree.n_triangles;
+    } else if (stage->over == SMR_OVER_VERTICES) {
+        first = one->first_vertex;
+        length = one->n_vertices;
     }
-    piece.from = piece.first + p->at;
-    piece.to = piece.first + smr_min_u32(p->at + chunk, piece.length);
-    return piece;
+    const uint32_t end = smr_min_u32(p->at + stage->chunk, length);
+    stage->run(f, first + p->at, first + end);
+    p->at = end;
+    p->n_done++;
+    return end == length;
 }

@@ -32,12 +32,11 @@ uint32_t smr_fold_find_tasks(const void *arg)
     return smr_folds_guarded(f->shared, f->schedule) ? f->n_dihedral_tasks : 0u;
 }
 
-#define SMR_FIND_PIECE 128u   /* number of dihedral edges that a worker looks at before it may stop */
-#define SMR_WORK_DIHEDRAL 30u /* instructions at most for an edge that does not bend, ... */
-#define SMR_WORK_BENT 400u    /* ... and for one that does */
+#define SMR_FIND_PIECE 128u   /* number of dihedral edges that a worker tests before the worker may stop */
+#define SMR_WORK_DIHEDRAL 30u /* instructions at most for a dihedral edge that does not bend, ... */
+#define SMR_WORK_BENT 400u    /* ... and for a dihedral edge that bends */
 
-/* Counts in *tally the dihedral edges from .. to - 1 that fold or must be limited, by the triangles' normals at x_next.
- * Returns the number of edges that bend. */
+/* Counts in *tally edges from .. to - 1 that fold or must be limited at x_next. Returns the number of bent edges. */
 static uint32_t find(const smr_folds *f, uint32_t from, uint32_t to, smr_tally *tally)
 {
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);

@@ -11,10 +11,10 @@
 #define SMR_LIMIT_ROOM 0.05f   /* distance of a cosine to its limit below which the edge creeps: moves by small steps */
 #define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
 #define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit, never reached */
-#define SMR_LOOK_CHUNK 64u     /* number of dihedral edges in a task: each needs the normals of two triangles, twice */
-#define SMR_SOFT_ROUNDS 20u    /* most rounds in which edges ask vertices for shorter steps */
-#define SMR_HALVINGS 3u        /* rounds that halve steps; later rounds remove steps */
-#define SMR_LIMIT_ROUNDS 40u   /* most rounds in an iteration, soft ones and halvings together */
+#define SMR_LOOK_CHUNK 64u     /* number of dihedral edges in a task; each edge needs four triangle normals */
+#define SMR_SOFT_ROUNDS 20u    /* largest number of rounds in which edges request shorter steps of vertices */
+#define SMR_HALVINGS 3u        /* number of rounds that halve steps; later rounds remove steps */
+#define SMR_LIMIT_ROUNDS 40u   /* largest number of rounds in an iteration, soft rounds and halvings together */
 #define SMR_ENOUGH 0.001f      /* largest requested share at which the soft rounds end */
 
 enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
@@ -52,7 +52,7 @@ static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_
             corner[3] = b[c];
 }
 
-/* Requests that the steps of an edge's corners move towards their mean by this share. */
+/* Requests that the steps of an edge's corners move towards their mean by `share`, 0..1. */
 static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
 {
     uint32_t corner[4];
@@ -62,12 +62,11 @@ static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
         mean = smr_add(mean, smr_scale(step_of(f, corner[c]), 0.25f));
     for (uint32_t c = 0; c < 4u; c++) {
         const uint32_t v = corner[c];
-        float *sum = smr_at3(f->rings.sum, v);
         if (!(f->marked[v] & SMR_REQUESTED)) {
-            smr_store(sum, smr_v(0, 0, 0));
+            smr_put3(f->rings.sum, v, smr_v(0, 0, 0));
             f->rings.weight[v] = f->rings.requested[v] = 0.0f;
         }
-        smr_store(sum, smr_add(smr_load(sum), smr_scale(mean, share)));
+        smr_add3(f->rings.sum, v, smr_scale(mean, share));
         f->rings.weight[v] += share;
         f->rings.requested[v] = smr_max(f->rings.requested[v], share);
         f->marked[v] = SMR_MARKED | SMR_REQUESTED;
@@ -87,14 +86,14 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     }
 }
 
-/* Tests those dihedral edges from .. to - 1, of one task of fold_find.c, near which a corner has moved since their last
- * test. A soft round passes over edges that had no touched run before, as long as no more runs are touched. */
+/* Tests dihedral edges from .. to - 1, of one task of fold_find.c, in or near runs of triangles with moved corners. A
+ * soft round skips all these edges if none had a touched run before and no further run has been touched since. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_fold_limit *l = &f->limit;
     smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const uint32_t round = l->round, n = f->shared->n_triangles;
+    const uint32_t round = l->round;
     const uint32_t piece = (uint32_t)1 << (from % SMR_DIHEDRAL_CHUNK / SMR_LOOK_CHUNK);
     uint32_t n_near = 0; /* number of edges with a touched run */
     if (tally->folds.n_touched != f->n_touched)
@@ -104,8 +103,7 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
         return;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = dihedral + i;
-        const uint32_t first = smr_index(smr_le32(h->first), n);
-        const uint32_t second = smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, n);
+        const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
         const int near = smr_run_touched(f, first) || smr_run_touched(f, second);
         n_near += (uint32_t)near;
         if (round > 0u &&
@@ -147,22 +145,14 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* Returns the first structure with folds, from this structure on; n_structures: none. */
-static uint32_t folding_from(const smr_folds *f, uint32_t structure)
-{
-    while (structure < f->shared->n_structures && !f->folding[structure])
-        structure++;
-    return structure;
-}
-
 /* Continues with the next structure with folds, and after the last one with the next stage. */
 static void next_structure(smr_folds *f, uint32_t stage)
 {
     smr_fold_limit *l = &f->limit;
-    l->pass.structure = folding_from(f, l->pass.structure);
+    l->pass.structure = smr_folding_from(f, l->pass.structure);
     if (l->pass.structure == f->shared->n_structures && stage == SMR_LIMIT_TOUCH) {
         stage = SMR_LIMIT_MOVE;
-        l->pass.structure = folding_from(f, 0);
+        l->pass.structure = smr_folding_from(f, 0);
     }
     l->pass.stage = stage;
     if (l->pass.structure < f->shared->n_structures)
@@ -203,21 +193,15 @@ void smr_fold_limit_start(smr_folds *f)
 
 uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->limit.pass); }
 
+static const smr_fold_stage stages[] = {
+    [SMR_LIMIT_LOOK] = {SMR_OVER_DIHEDRALS, SMR_LOOK_CHUNK, look},
+    [SMR_LIMIT_TOUCH] = {SMR_OVER_TRIANGLES, SMR_TRIANGLE_CHUNK, touch},
+    [SMR_LIMIT_MOVE] = {SMR_OVER_VERTICES, SMR_TRIANGLE_CHUNK, move},
+};
+
 void smr_fold_limit_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
-    smr_fold_pass *pass = &f->limit.pass;
-    const uint32_t over = pass->stage == SMR_LIMIT_LOOK   ? SMR_OVER_DIHEDRALS
-                          : pass->stage == SMR_LIMIT_MOVE ? SMR_OVER_VERTICES
-                                                          : SMR_OVER_TRIANGLES;
-    const uint32_t chunk = over == SMR_OVER_DIHEDRALS ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
-    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
-    if (over == SMR_OVER_DIHEDRALS)
-        look(f, piece.from, piece.to);
-    else if (over == SMR_OVER_TRIANGLES)
-        touch(f, piece.from, piece.to);
-    else
-        move(f, piece.from, piece.to);
-    if (smr_fold_piece_done(pass, &piece))
+    if (smr_fold_run(f, &f->limit.pass, stages))
         next_pass(f);
 }

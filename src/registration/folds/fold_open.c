@@ -8,7 +8,7 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
-#define SMR_OPEN_PASSES 16u    /* most passes over the dihedral edges in an iteration */
+#define SMR_OPEN_PASSES 16u    /* largest number of passes over the dihedral edges in an iteration */
 #define SMR_OPEN_CHUNK 32u     /* number of dihedral edges in a task */
 #define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
 #define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, as a share of the shortest edge */
@@ -17,14 +17,10 @@
 void smr_fold_open_start(smr_folds *f)
 {
     memset(&f->open, 0, sizeof f->open);
-    f->open.pass = smr_at_last_radius(f->shared, f->schedule) && f->schedule->repairing == 0u ? 1u : 0u;
+    f->open.pass.stage = smr_at_last_radius(f->shared, f->schedule) && f->schedule->repairing == 0u;
 }
 
-uint32_t smr_fold_open_tasks(const void *arg)
-{
-    const smr_fold_open *o = &((const smr_folds *)arg)->open;
-    return o->n_done + (o->pass != 0u);
-}
+uint32_t smr_fold_open_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->open.pass); }
 
 /* One of the two triangles of a dihedral edge, at x_next. */
 typedef struct side {
@@ -85,17 +81,15 @@ static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosi
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
-        float *x = smr_at3(f->shape->x_next, corner[c]);
-        smr_store(x, smr_add(smr_load(x), smr_scale(gradient[c], share)));
+        smr_add3(f->shape->x_next, corner[c], smr_scale(gradient[c], share));
         f->marked[corner[c]] = 1;
         smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
 }
 
-/* Opens the folds of a chunk: edges that fold_find.c found, and edges whose corners fold steps moved. */
-static void open_chunk(smr_folds *f, uint32_t chunk)
+/* Opens folds among edges from .. to - 1: found by fold_find.c, or with a corner that a fold step has moved. */
+static void open_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
-    const uint32_t from = chunk * SMR_OPEN_CHUNK, to = smr_min_u32(from + SMR_OPEN_CHUNK, f->shared->n_dihedrals);
     const int found = f->tally[from / SMR_DIHEDRAL_CHUNK].folds.n_open > 0u;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
@@ -111,16 +105,16 @@ static void open_chunk(smr_folds *f, uint32_t chunk)
     }
 }
 
+static const smr_fold_stage stages[] = {[1] = {SMR_OVER_DIHEDRALS, SMR_OPEN_CHUNK, open_folds}};
+
 /* Step: opens the folds of one chunk. The next pass needs the positions of this pass. */
 void smr_fold_open_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_open *o = &f->open;
-    open_chunk(f, o->chunk);
-    o->n_done++;
-    if (++o->chunk < smr_ceil_div(f->shared->n_dihedrals, SMR_OPEN_CHUNK))
+    if (!smr_fold_run(f, &o->pass, stages))
         return;
-    o->chunk = 0;
-    o->pass = o->n_folds > 0u && o->pass < SMR_OPEN_PASSES ? o->pass + 1u : 0u;
+    o->pass.at = 0;
+    o->pass.stage = o->n_folds > 0u && ++o->n_passes < SMR_OPEN_PASSES;
     o->n_folds = 0;
 }

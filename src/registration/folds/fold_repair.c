@@ -6,7 +6,7 @@
 
 #define SMR_EDGE_FLOOR 1.0e-3f /* mm: added to edge lengths in divisors */
 #define SMR_REPAIR_CHUNK 128u  /* number of dihedral edges, triangles or vertices in a task */
-#define SMR_REPAIR_SWEEPS 10u  /* sweeps over the patch around a fold, for each ring of the patch */
+#define SMR_REPAIR_SWEEPS 10u  /* number of sweeps over the patch around a fold, for each ring of the patch */
 #define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
 
 /* Stages of the repair: none; mark folds; then for each structure with folds the others, in this order. */
@@ -71,8 +71,7 @@ static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
     }
 }
 
-/* Adds one triangle to the weighted sums of mesh neighbours' displacements. Near neighbours have larger weights, so
- * that the corners of a sliver move alike. */
+/* Adds a triangle to the sums of neighbours' displacements. Near neighbours weigh more: slivers' corners move alike. */
 static void sum_ring(smr_folds *f, const uint32_t *t)
 {
     smr_vec at[3], moved[3];
@@ -83,9 +82,8 @@ static void sum_ring(smr_folds *f, const uint32_t *t)
     for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, in both directions */
         const uint32_t b = (a + 1u) % 3u;
         const float w = 1.0f / (smr_length(smr_sub(at[a], at[b])) + SMR_EDGE_FLOOR);
-        float *sum_a = smr_at3(f->rings.sum, t[a]), *sum_b = smr_at3(f->rings.sum, t[b]);
-        smr_store(sum_a, smr_add(smr_load(sum_a), smr_scale(moved[b], w)));
-        smr_store(sum_b, smr_add(smr_load(sum_b), smr_scale(moved[a], w)));
+        smr_add3(f->rings.sum, t[a], smr_scale(moved[b], w));
+        smr_add3(f->rings.sum, t[b], smr_scale(moved[a], w));
         f->rings.weight[t[a]] += w;
         f->rings.weight[t[b]] += w;
     }
@@ -120,8 +118,7 @@ static uint32_t rings_of(const smr_folds *f) { return 1u + f->schedule->repairin
 static void next_structure(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
-    while (r->pass.structure < f->shared->n_structures && !f->folding[r->pass.structure])
-        r->pass.structure++;
+    r->pass.structure = smr_folding_from(f, r->pass.structure);
     r->ring = r->sweep = 0;
     r->pass.stage = r->pass.structure < f->shared->n_structures ? REPAIR_WIDER : REPAIR_IDLE;
 }
@@ -154,23 +151,18 @@ void smr_fold_repair_start(smr_folds *f)
 
 uint32_t smr_fold_repair_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->repair.pass); }
 
+static const smr_fold_stage stages[] = {
+    [REPAIR_MARK] = {SMR_OVER_DIHEDRALS, SMR_REPAIR_CHUNK, mark_folds},
+    [REPAIR_WIDER] = {SMR_OVER_TRIANGLES, SMR_REPAIR_CHUNK, widen},
+    [REPAIR_JOIN] = {SMR_OVER_TRIANGLES, SMR_REPAIR_CHUNK, join},
+    [REPAIR_CLEAR] = {SMR_OVER_TRIANGLES, SMR_REPAIR_CHUNK, clear_rings},
+    [REPAIR_SUM] = {SMR_OVER_TRIANGLES, SMR_REPAIR_CHUNK, sum_rings},
+    [REPAIR_MOVE] = {SMR_OVER_VERTICES, SMR_REPAIR_CHUNK, move},
+};
+
 void smr_fold_repair_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_folds *f = arg;
-    smr_fold_pass *pass = &f->repair.pass;
-    const uint32_t over = pass->stage == REPAIR_MARK   ? SMR_OVER_DIHEDRALS
-                          : pass->stage == REPAIR_MOVE ? SMR_OVER_VERTICES
-                                                       : SMR_OVER_TRIANGLES;
-    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_REPAIR_CHUNK);
-    switch (pass->stage) {
-    case REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
-    case REPAIR_WIDER: widen(f, piece.from, piece.to); break;
-    case REPAIR_JOIN: join(f, piece.from, piece.to); break;
-    case REPAIR_CLEAR: clear_rings(f, piece.from, piece.to); break;
-    case REPAIR_SUM: sum_rings(f, piece.from, piece.to); break;
-    case REPAIR_MOVE: move(f, piece.from, piece.to); break;
-    default: break;
-    }
-    if (smr_fold_piece_done(pass, &piece))
+    if (smr_fold_run(f, &f->repair.pass, stages))
         next_pass(f);
 }

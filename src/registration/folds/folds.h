@@ -24,11 +24,6 @@ typedef struct smr_fold_pass {
 /* Items of a pass: all dihedral edges, or one structure's triangles or vertices. */
 enum { SMR_OVER_DIHEDRALS = 0, SMR_OVER_TRIANGLES, SMR_OVER_VERTICES };
 
-/* A piece of a pass: items from .. to - 1 of the model. first, length: the structure's first item, number of items. */
-typedef struct smr_fold_piece {
-    uint32_t first, from, to, length;
-} smr_fold_piece;
-
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
     uint32_t ring, sweep; /* index of the current ring of the patch around folds; index of the current sweep */
@@ -42,10 +37,9 @@ typedef struct smr_fold_limit {
 } smr_fold_limit;
 
 typedef struct smr_fold_open {
-    uint32_t n_done;  /* number of completed tasks of the step in this iteration */
-    uint32_t pass;    /* number of the current pass over dihedral edges, from 1; 0: none */
-    uint32_t chunk;   /* index of the next chunk of dihedral edges */
-    uint32_t n_folds; /* number of folds found in this pass so far */
+    smr_fold_pass pass;
+    uint32_t n_passes; /* number of completed passes that found folds in this iteration */
+    uint32_t n_folds;  /* number of folds found in this pass so far */
 } smr_fold_open;
 
 typedef struct smr_folds {
@@ -71,7 +65,7 @@ typedef struct smr_folds {
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
 void smr_folds_reset(smr_folds *f); /* clears the passes when an iteration is complete or abandoned */
-int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* 1: folds are searched for at this radius */
+int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* returns 1 where folds are searched for */
 
 smr_count_tasks smr_fold_find_tasks;
 smr_run_task smr_fold_find;
@@ -85,19 +79,19 @@ void smr_fold_repair_start(smr_folds *f);
 void smr_fold_limit_start(smr_folds *f);
 void smr_fold_open_start(smr_folds *f);
 
-/* Returns the next piece of pass p: at most `chunk` items of the kind `over`, SMR_OVER_... */
-smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk);
+/* A kind of pass: a task processes at most `chunk` items of the kind `over`, the items from .. to - 1 of the model. */
+typedef struct smr_fold_stage {
+    uint32_t over, chunk;
+    void (*run)(smr_folds *f, uint32_t from, uint32_t to);
+} smr_fold_stage;
+
+/* Runs the next task of pass p, of the kind stages[p->stage]. Returns 1 when the pass is complete. */
+int smr_fold_run(smr_folds *f, smr_fold_pass *p, const smr_fold_stage *stages);
+/* Returns the first structure with folds from `structure` on; n_structures: none. */
+uint32_t smr_folding_from(const smr_folds *f, uint32_t structure);
 
 /* Returns the number of tasks of a fold step: the completed ones, and one more while work is left. */
 static inline uint32_t smr_fold_tasks(const smr_fold_pass *p) { return p->n_done + (p->stage != 0u); }
-
-/* Counts a completed piece. Returns 1 when the pass is complete. */
-static inline int smr_fold_piece_done(smr_fold_pass *p, const smr_fold_piece *piece)
-{
-    p->at = piece->to - piece->first;
-    p->n_done++;
-    return p->at == piece->length;
-}
 
 static inline const smr_stored_dihedral *smr_edge_at(const smr_folds *f, uint32_t i)
 {
@@ -114,7 +108,10 @@ static inline uint32_t smr_edge_second(const smr_folds *f, const smr_stored_dihe
 {
     return smr_index(smr_le32(h->bend) & SMR_DIHEDRAL_MASK, f->shared->n_triangles);
 }
-static inline float smr_edge_limit(const smr_stored_dihedral *h) { return smr_dihedral_limit(smr_le32(h->bend)); }
+static inline float smr_edge_limit(const smr_stored_dihedral *h)
+{
+    return (float)(smr_le32(h->bend) >> 24) / SMR_DIHEDRAL_UNIT - 1.0f;
+}
 static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_limit(h) > SMR_DIHEDRAL_OPEN; }
 
 /* Returns the cosine of the angle between the normals of an edge's triangles, with vertices at x [n][3]. */

@@ -14,7 +14,6 @@ typedef struct smr_sums {
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_forces *forces;
-    smr_tally *tally;
     uint32_t *record; /* [n][SMR_WORDS] fixed-point values of each vertex that are summed */
     uint32_t *sum;    /* [n][SMR_WORDS] sum of the records of all vertices of the vertex' cluster */
     float scale[2];   /* scales of the two kinds of quantities: stored = value * scale */
@@ -52,7 +51,7 @@ typedef struct smr_match {
 
 /* Sets number of words and scales of the next sums. largest0, largest1: bounds on a vertex' two kinds of values. */
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
-uint32_t smr_method_words(const smr_shared *c); /* number of words of a displacement's record */
+uint32_t smr_method_words(const smr_shared *c); /* returns the number of words of a displacement's record */
 void smr_sums_at_once(smr_sums *s);             /* sums vertices' records for each cluster, between iterations */
 
 /* Steps on smr_sums. smr_sums_record writes displacements as records. smr_sums_forest sums records over clusters; each
@@ -72,8 +71,8 @@ void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shar
 void smr_reference_begin(smr_reference *r); /* chooses `coarse` and `fine`, the steps to which x^r is rounded */
 void smr_reference_end(smr_reference *r);   /* marks centres, masses and spreads as current */
 
-/* Steps that run only where smr_reference_due(): distances of x^r from the posed rest shape; records of moments of x^r;
- * moments of vertices near cluster boundaries, one task after the other; centre, mass and spread of each cluster. */
+/* Steps that run only where smr_reference_due(): compute distances of x^r from the posed rest shape; records of moments
+ * of x^r; moments near cluster boundaries, tasks in order; centre, mass and spread of each cluster. */
 smr_count_tasks smr_reference_tasks, smr_reference_record_tasks, smr_reference_boundary_tasks;
 smr_count_tasks smr_reference_cluster_tasks;
 smr_run_task smr_reference_reach, smr_reference_record, smr_boundary_reference, smr_reference_cluster;

@@ -10,9 +10,9 @@
 
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step, as a share of the coarse step */
 #define SMR_PART_BITS 10u         /* in dynamics positions are rounded to a coarse or fine step / 2^SMR_PART_BITS */
-#define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length gets no torque along it */
-#define SMR_COARSE_MOST (1 << 15) /* most coarse steps between members of a cluster, by step_for() */
-#define SMR_FINE_MOST (1 << 30)   /* most fine steps between members of a cluster */
+#define SMR_INERTIA_FLOOR 1.0e-4f /* inertia about an axis without torque, at most, / largest inertia of a cluster */
+#define SMR_COARSE_MOST (1 << 15) /* largest number of coarse steps between members of a cluster, by step_for() */
+#define SMR_FINE_MOST (1 << 30)   /* largest number of fine steps between members of a cluster */
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
 {
@@ -38,10 +38,8 @@ void smr_reference_reach(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_reference *r = arg;
     float off2 = 0.0f;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
-        const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v));
-        off2 = smr_max(off2, smr_dot(d, d));
-    }
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++)
+        off2 = smr_max(off2, smr_distance2(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v)));
     r->tally[task].reference.deviation2 = off2;
 }
 
@@ -80,7 +78,7 @@ void smr_reference_begin(smr_reference *r)
     r->sums->words = SMR_WORDS;
 }
 
-/* Returns x rounded to the nearest whole number. */
+/* Returns x, limited to +-10^18, rounded to the nearest whole number. */
 static inline int64_t nearest(float x)
 {
     const float v = smr_clamp(x, -1.0e18f, 1.0e18f);
@@ -167,7 +165,7 @@ void smr_reference_record(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         else
             record_steps(r, v, m, w);
         w[0] = m;
-        w[13] = SMR_BOUNDARY_UNITS; /* one member in boundary units; its sum counts the cluster's members */
+        w[13] = SMR_BOUNDARY_UNITS; /* one member in boundary units; the sum over a cluster is the number of members */
         w[14] = w[15] = 0;
     }
 }

@@ -4,10 +4,11 @@
  * is stored, not R: R - I is small and exactly 0 without a rotation.
  * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 #include "registration/match/cluster_match.h"
 
-#define SMR_RADIANS 0.017453293f /* rad per degree */
+#define SMR_RADIANS 0.017453293f /* radians in a degree */
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
 {
@@ -28,9 +29,7 @@ static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint
     const smr_reference *const r = m->reference;
     const float turn_deg = m->shared->config.motion.turn_deg;
     const smr_vec l = smr_sub(smr_unfix3(w, inverse), smr_cross(smr_get3(r->centre, v), mu));
-    const float *i = r->spread + 6u * (size_t)v;
-    const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
-    const smr_vec turn = smr_mul(full, l);
+    const smr_vec turn = smr_mul_symmetric(r->spread + 6u * (size_t)v, l);
     return turn_deg > 0.0f ? smr_turn_within(turn, turn_deg * SMR_RADIANS) : turn;
 }
 

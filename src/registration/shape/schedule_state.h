@@ -136,12 +136,4 @@ static inline int smr_at_last_radius(const smr_shared *c, const smr_schedule *p)
     return p->radius == smr_last_radius(c);
 }
 
-/* Returns the signed number that a wrapped 32-bit word represents. */
-static inline int32_t smr_signed(uint32_t word)
-{
-    int32_t value;
-    memcpy(&value, &word, sizeof value);
-    return value;
-}
-
 #endif

@@ -3,7 +3,6 @@
  * Bounds: two passes over at most SMR_LANDMARKS_MAX pairs.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/similarity_fit.h"
-#include "geometry/surface/mesh.h"
 
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm)

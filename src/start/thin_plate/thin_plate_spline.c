@@ -15,7 +15,6 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/linear_solve/thin_plate_solve.h"
-#include "geometry/surface/mesh.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
 #define SMR_WARP_AFFINE 4u      /* number of columns of P: 1 and three coordinates */
@@ -40,9 +39,7 @@ typedef struct job {
     smr_warp *warp;
     float *goal;       /* [n][3] goal of each distinct landmark, mm from warp->to: mean of duplicates */
     float *count;      /* [n] number of landmarks merged into each distinct one */
-    float *matrix;     /* [n + 4][n + 4] matrix of the spline's equations */
-    float *side;       /* [n + 4][3] right-hand sides of the spline's equations in x, y and z */
-    smr_system system; /* the equations with matrix, right-hand sides and scratch */
+    smr_system system; /* the spline's n + 4 equations and scratch */
     smr_vec axis[3];   /* landmarks' principal directions, each divided by the spread along it */
     float variance[3]; /* landmarks' variances along their principal directions, u^2, largest first */
     float lambda;      /* smoothing parameter in units of u */
@@ -57,8 +54,8 @@ static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
     w->weight = smr_arena_take(a, n, 3 * sizeof(float));
     j->goal = smr_arena_take(a, n, 3 * sizeof(float));
     j->count = smr_arena_take(a, n, sizeof(float));
-    j->matrix = smr_arena_take(a, m * m, sizeof(float));
-    j->side = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
+    j->system.a = smr_arena_take(a, m * m, sizeof(float));
+    j->system.b = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
     j->system.x = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
     j->system.lu = smr_arena_take(a, m * m, sizeof(float));
     j->system.residual = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
@@ -79,7 +76,7 @@ smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
     return SMR_OK;
 }
 
-/* Returns the largest distance from the first of the points xyz[n][3] to another of them. */
+/* Returns the largest distance from the first of the points xyz[n][3] to another point. */
 static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
@@ -129,7 +126,7 @@ static void normalise(job *j, smr_warp *w)
     for (uint32_t k = 0; k < j->n; k++)
         most = smr_max(most, smr_length(smr_get3(w->centre, k)));
     most = smr_max(most, SMR_SAME_MM);
-    while (unit < most) /* ends: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
+    while (unit < most) /* the loop ends, for SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
         unit *= 2.0f;
     while (unit * 0.5f >= most)
         unit *= 0.5f;
@@ -163,10 +160,10 @@ static uint32_t choose_kind(const job *j)
 static void fill_equations(const job *j, const smr_warp *w, float unit)
 {
     const size_t n = j->n, m = n + SMR_WARP_AFFINE;
-    float *a = j->matrix;
+    float *a = j->system.a, *b = j->system.b;
     memset(a, 0, m * m * sizeof *a);
-    memset(j->side, 0, m * SMR_SOLVE_SIDES * sizeof *j->side);
-    memcpy(j->side, j->goal, n * SMR_SOLVE_SIDES * sizeof *j->side);
+    memset(b, 0, m * SMR_SOLVE_SIDES * sizeof *b);
+    memcpy(b, j->goal, n * SMR_SOLVE_SIDES * sizeof *b);
     for (size_t i = 0; i < n; i++) {
         const smr_vec u = smr_load(w->centre + 3u * i);
         const float p[SMR_WARP_AFFINE] = {1.0f, smr_dot(j->axis[0], u), smr_dot(j->axis[1], u), smr_dot(j->axis[2], u)};
@@ -185,8 +182,6 @@ static int fit_spline(job *j, smr_warp *w)
     const float *x = j->system.x, *affine = x + SMR_SOLVE_SIDES * (size_t)j->n;
     fill_equations(j, w, unit);
     j->system.n = j->n + SMR_WARP_AFFINE;
-    j->system.a = j->matrix;
-    j->system.b = j->side;
     if (!smr_system_solve(&j->system))
         return 0;
     w->n = j->n;
