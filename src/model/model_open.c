@@ -1,12 +1,38 @@
-/* model_open.c: smr_model_open() and its checks, after which every count, offset and index of a model is safe to use.
+/* model_open.c: smr_model_open() and its checks, after which every count, offset and index of a model is safe to use. A
+ * job (base/job.h) of stages that check arrays in pieces; a stage relies on the counts and sections checked before it.
  * Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
+#include "base/job.h"
 #include "image/intensity_profile.h"
 #include "model/model.h"
 
 #define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
 #define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of a reference from the mean shape */
 #define SMR_WINDOW 4096u /* vertices checked at a time for having one entry each, a bit each on the stack */
+
+#define SMR_OPEN_PIECE 512u  /* vertices, triangles, entries or indexes checked in a task */
+#define SMR_OPEN_BYTES 8192u /* bytes in a task that sums them */
+
+/* A model whose checks are under way. */
+typedef struct opening {
+    smr_job_head head;
+    const smr_model *m;
+    const smr_model **out;
+    uint32_t crc, k;                    /* checksum of the bytes so far; radius that is checked now */
+    uint32_t block, lo, i;              /* block of that radius; first vertex of the window; entry, from the block's first on */
+    uint64_t used;                      /* number of indexes of the block's entries so far */
+    uint32_t next[SMR_LEVELS_MAX];      /* next vertex of each level */
+    uint32_t visited[SMR_WINDOW / 32u]; /* a bit for each vertex of the window */
+} opening;
+
+_Static_assert(sizeof(opening) <= SMR_JOB_BYTES, "checks in progress lie in the caller's job");
+
+static const smr_model *m_of(const void *job) { return ((const opening *)job)->m; }
+static void require(void *job, int legal)
+{
+    if (!legal)
+        ((opening *)job)->head.status = SMR_E_MODEL;
+}
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 SMR_SHARED static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
