@@ -1303,6 +1303,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
  * Errors: E_NULL, E_STATE (as smr_tick()), E_INPUT (what), E_DAMAGED (the model is not as it was opened, too). */
 enum { SMR_SCRUB_INPUTS = 1, SMR_SCRUB_STATE = 2 };
 smr_status smr_set_scrub(smr *s, uint32_t what);
+smr_status smr_set_scrub_begin(smr *s, uint32_t what, smr_job *job); /* in pieces (section 7); off until the end */
 
 /* Continues the round for budget_ns; 0: runs a whole round. Returns SMR_PARTIAL until the round ends. Errors: E_NULL,
  * E_STATE (as smr_tick(); SMR_SCRUB_INPUTS is off), E_DAMAGED. */

@@ -233,7 +233,7 @@ void smr_start_scale_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     j->bulk = (smr_bulk){.at = 0};
 }
 
-static uint32_t volume_tasks(const void *job) { return smr_volumes_used(&in(job)->volumes); }
+static uint32_t volume_tasks(const void *job) { return (uint32_t)smr_volumes_used(&in(job)->volumes); }
 
 /* Measures the volumes of structures, a piece of one at a time. */
 static void find_volumes(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
@@ -334,19 +334,15 @@ static int guard(void *job, int enter)
 {
     smr_starting *j = job;
     smr *s = of(j);
-    if (!enter) {
-        s->ticking = j->claimed ? SMR_STARTING : 0u;
-        smr_guard_close(s);
-        return 1;
-    }
-    const smr_status sound = smr_sound(s);
-    const int legal = smr_valid(s) && s->n_awaited == 0u && s->ticking == (j->claimed ? SMR_STARTING : 0u);
-    if (sound != SMR_OK)
-        j->job.head.status = sound;
-    if (sound != SMR_OK || !legal || s->log.changes != j->job.changes || s->n_measured != j->job.turn)
+    const uint32_t busy = j->claimed ? SMR_STARTING : 0u;
+    if (!smr_hold_guard(&j->job, enter, smr_valid(s) && s->n_awaited == 0u && s->ticking == busy))
         return 0;
-    s->ticking = j->claimed ? SMR_STARTING : SMR_TICKING;
-    s->guard.closed = 0;
+    if (busy != 0u)
+        s->ticking = busy;
+    if (enter)
+        s->guard.closed = 0; /* the struct changes */
+    else
+        smr_guard_close(s);
     return 1;
 }
 
