@@ -133,8 +133,7 @@ static void words(smr_keeper *k, uint32_t *field, size_t count, uint32_t most, i
 
 static void floats(smr_keeper *k, float *field, size_t count, float least, float most)
 {
-    const values v =
-        begin(k, count, sizeof *field, KEPT_FLOAT, smr_float_bits(least) + 3u * smr_float_bits(most));
+    const values v = begin(k, count, sizeof *field, KEPT_FLOAT, smr_float_bits(least) + 3u * smr_float_bits(most));
     for (size_t i = v.first; i < v.last; i++) {
         uint32_t bits = k->mode == SMR_KEEP_SAVE ? smr_float_bits(field[i]) : 0u;
         word(k, v.at + sizeof bits * i, &bits);

@@ -2,38 +2,11 @@
  * job (base/job.h) of stages that check arrays in pieces; a stage relies on the counts and sections checked before it.
  * Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
-#include "base/job.h"
 #include "image/intensity_profile.h"
-#include "model/model.h"
+#include "model/model_open.h"
 
 #define SMR_RANGE_MAX 2.0e30f /* most of a profile's range or absolute low: twice the largest absolute voxel value */
 #define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of a reference from the mean shape */
-#define SMR_WINDOW 4096u /* vertices checked at a time for having one entry each, a bit each on the stack */
-
-#define SMR_OPEN_PIECE 256u  /* vertices, triangles or entries checked in a task */
-#define SMR_OPEN_WORDS 2048u /* indexes, counts or floats checked in a task */
-#define SMR_OPEN_BYTES 8192u /* bytes in a task that sums them */
-
-/* A model whose checks are under way. */
-typedef struct opening {
-    smr_job_head head;
-    const smr_model *m;
-    const smr_model **out;
-    uint32_t crc, k;                    /* checksum of the bytes so far; radius that is checked now */
-    uint32_t block, lo, i;              /* block of that radius; first vertex of the window; entry, from the block's first on */
-    uint64_t used;                      /* number of indexes of the block's entries so far */
-    uint32_t next[SMR_LEVELS_MAX];      /* next vertex of each level */
-    uint32_t visited[SMR_WINDOW / 32u]; /* a bit for each vertex of the window */
-} opening;
-
-_Static_assert(sizeof(opening) <= SMR_JOB_BYTES, "checks in progress lie in the caller's job");
-
-static const smr_model *m_of(const void *job) { return ((const opening *)job)->m; }
-static void require(void *job, int legal)
-{
-    if (!legal)
-        ((opening *)job)->head.status = SMR_E_MODEL;
-}
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 SMR_SHARED static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
@@ -59,7 +32,7 @@ static int check_structures(const smr_model *m)
     return vertices == smr_le32(m->n_vertices) && triangles == smr_le32(m->n_triangles);
 }
 
-SMR_SHARED static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
+SMR_SHARED int smr_floats_within(const uint32_t *stored, size_t n, float lo, float hi)
 {
     int legal = 1;
     for (size_t i = 0; i < n; i++)
@@ -67,8 +40,7 @@ SMR_SHARED static int floats_within(const uint32_t *stored, size_t n, float lo, 
     return legal;
 }
 
-/* Returns 1 when all n indexes of the list, each `width` bytes wide, are below `limit`. */
-SMR_SHARED static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
+SMR_SHARED int smr_all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
 {
     int legal = 1;
     for (size_t i = 0; i < n; i++)
@@ -76,24 +48,22 @@ SMR_SHARED static int all_below(const void *list, uint32_t width, size_t n, uint
     return legal;
 }
 
-static uint32_t pieces_of(uint32_t n) { return smr_ceil_div(n, SMR_OPEN_PIECE); }
-static uint32_t vertex_tasks(const void *job) { return pieces_of(smr_le32(m_of(job)->n_vertices)); }
+uint32_t smr_open_vertex_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_vertices)); }
 
 /* Checks rest positions, masses and ranges of profiles, that position and original are inverse to each other, and that
  * owner agrees with the structures. */
 static void check_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    opening *j = job;
+    smr_opening *j = job;
     const smr_model *m = j->m;
     const uint32_t n = smr_le32(m->n_vertices), *rest = smr_at(m, m->at_rest);
     const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, n);
     const size_t first = p.first, count = p.last - p.first;
-    int legal = floats_within(rest + 3u * first, 3u * count, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
-                floats_within((const uint32_t *)smr_at(m, m->at_mass) + first, count, 1.0f / SMR_MASS_UNITS,
-                              SMR_MASS_MAX) &&
-                (m->profile_samples == 0u ||
-                 floats_within((const uint32_t *)smr_at(m, m->at_ranges) + 2u * first, 2u * count, -SMR_RANGE_MAX,
-                               SMR_RANGE_MAX));
+    int legal = smr_floats_within(rest + 3u * first, 3u * count, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
+                smr_floats_within((const uint32_t *)smr_at(m, m->at_mass) + first, count, 1.0f / SMR_MASS_UNITS,
+                                  SMR_MASS_MAX) &&
+                (m->profile_samples == 0u || smr_floats_within((const uint32_t *)smr_at(m, m->at_ranges) + 2u * first,
+                                                               2u * count, -SMR_RANGE_MAX, SMR_RANGE_MAX));
     for (size_t i = 3u * first; i < 3u * (size_t)p.last; i++)
         legal &= smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f);
     j->k = task == 0u ? 0u : j->k;
@@ -104,7 +74,7 @@ static void check_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         const uint32_t v = smr_word_at(m, m->at_position, i);
         legal = v < n && smr_word_at(m, m->at_original, v) == i && smr_model_owner(m, v) == j->k;
     }
-    require(j, legal);
+    smr_open_require(j, legal);
 }
 
 /* Checks that levels are ranges of stored vertices, in order. */
@@ -125,7 +95,7 @@ static int check_level_table(const smr_model *m)
 /* Checks that curve positions ascend in each level, and are 0 .. n - 1 in all, each once. */
 static void check_levels(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    opening *j = job;
+    smr_opening *j = job;
     const smr_model *m = j->m;
     const uint32_t n_levels = smr_le32(m->n_levels);
     const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m->n_vertices));
@@ -136,7 +106,7 @@ static void check_levels(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         while (i < n_levels && (j->next[i] == smr_le32(m->level_end[i]) || smr_model_along(m, j->next[i]) != place))
             i++;
         if (i == n_levels) {
-            require(j, 0);
+            smr_open_require(j, 0);
             return;
         }
         j->next[i]++;
@@ -150,43 +120,43 @@ static int check_vertex_table(const smr_model *m)
            section(m, m->at_rest, n, 12) && section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) &&
            section(m, m->at_triangle_index, nt, 4) && check_level_table(m) &&
            section(m, m->at_dihedrals, smr_le32(m->n_dihedrals), sizeof(smr_stored_dihedral)) &&
-           floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
-           floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX);
+           smr_floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
+           smr_floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX);
 }
 
-static uint32_t dihedral_tasks(const void *job) { return pieces_of(smr_le32(m_of(job)->n_dihedrals)); }
+static uint32_t dihedral_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_dihedrals)); }
 
 static void check_dihedrals(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const smr_model *m = m_of(job);
+    const smr_model *m = smr_opened(job);
     const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m->n_dihedrals));
     const uint32_t nt = smr_le32(m->n_triangles);
     const smr_stored_dihedral *h = smr_at(m, m->at_dihedrals);
     int legal = 1;
     for (uint32_t i = p.first; i < p.last; i++)
         legal &= smr_le32(h[i].first) < nt && (smr_le32(h[i].bend) & SMR_DIHEDRAL_MASK) < nt;
-    require(job, legal);
+    smr_open_require(job, legal);
 }
 
 static int check_profile_table(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), samples = smr_le32(m->profile_samples);
-    return samples == 0u ||
-           (samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
-            floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) && section(m, m->at_profiles, n, samples) &&
-            section(m, m->at_ranges, n, 8));
+    return samples == 0u || (samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
+                             smr_floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) &&
+                             section(m, m->at_profiles, n, samples) && section(m, m->at_ranges, n, 8));
 }
 
-static uint32_t triangle_tasks(const void *job) { return pieces_of(smr_le32(m_of(job)->n_triangles)); }
+static uint32_t triangle_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_triangles)); }
 
 /* Checks that the corners and the caller's index of each triangle belong to the triangle's structure. */
 static void check_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    opening *j = job;
+    smr_opening *j = job;
     const smr_model *m = j->m;
     const uint32_t *triangle_index = smr_at(m, m->at_triangle_index), *corner = smr_at(m, m->at_triangles);
     const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m->n_triangles));
-    int legal = all_below(corner + 3u * (size_t)p.first, 4, 3u * (size_t)(p.last - p.first), smr_le32(m->n_vertices));
+    int legal =
+        smr_all_below(corner + 3u * (size_t)p.first, 4, 3u * (size_t)(p.last - p.first), smr_le32(m->n_vertices));
     j->k = task == 0u ? 0u : j->k;
     for (uint32_t i = p.first; i < p.last && legal; i++) {
         const smr_stored_structure *r = smr_model_record(m, j->k);
@@ -196,15 +166,7 @@ static void check_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker
         for (size_t c = 3u * (size_t)i; c < 3u * (size_t)i + 3u; c++)
             legal &= smr_model_owner(m, smr_le32(corner[c])) == j->k;
     }
-    require(j, legal);
-}
-
-static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
-{
-    const uint32_t width = l->index_bytes;
-    const size_t at = 4u * (size_t)i;
-    return (smr_entry32){smr_index_at(l->entry, width, at), smr_index_at(l->entry, width, at + 1u),
-                         smr_index_at(l->entry, width, at + 2u), smr_index_at(l->entry, width, at + 3u)};
+    smr_open_require(j, legal);
 }
 
 /* Checks that a radius' sections lie in the model, in order, from offset *end on. Sets *end to the last one's end. */
@@ -223,122 +185,6 @@ static int check_sections_of(const smr_model *m, const smr_stored_radius *r, uin
     return 1;
 }
 
-/* The radius that is checked now. */
-static const smr_stored_radius *radius_of(const void *job) { return smr_model_radius(m_of(job), ((const opening *)job)->k); }
-static smr_lists lists_of(const void *job) { return smr_model_lists(m_of(job), ((const opening *)job)->k); }
-
-/* Begins a radius, whose sections lie in the model. */
-static void check_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    opening *j = job;
-    const smr_stored_radius *r = radius_of(j);
-    const uint32_t n = smr_le32(j->m->n_vertices), n_blocks = smr_le32(r->n_blocks);
-    const smr_lists l = lists_of(j);
-    j->block = j->i = 0;
-    j->lo = SMR_NONE;
-    j->used = 0;
-    require(j, n_blocks >= 1u && n_blocks <= n && floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) &&
-                   floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) && floats_within(&r->mean, 1, 0.0f, 1.0e7f) &&
-                   smr_le32(r->largest) >= 1u && smr_le32(r->largest) <= n && smr_le32(r->active_min) >= 1u &&
-                   smr_le32(r->active_min) <= n && l.members <= n && l.active_min <= l.members &&
-                   smr_le32(l.block[0].first) == 0u && smr_le32(l.block[0].first_index) == 0u &&
-                   smr_le32(l.block[n_blocks].first) == n &&
-                   smr_le32(l.block[n_blocks].first_index) == smr_le32(r->n_indexes));
-}
-
-static uint32_t boundary_tasks(const void *job) { return pieces_of(smr_le32(radius_of(job)->n_boundary)); }
-
-static void check_boundary(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    const uint32_t n = smr_le32(m_of(job)->n_vertices);
-    const smr_stored_boundary *b = smr_at(m_of(job), radius_of(job)->at_boundary);
-    const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(radius_of(job)->n_boundary));
-    int legal = 1;
-    for (uint32_t i = p.first; i < p.last; i++)
-        legal &= smr_le32(b[i].first) < n && smr_le32(b[i].second) < n && smr_le32(b[i].share) <= SMR_BOUNDARY_UNITS;
-    require(job, legal);
-}
-
-static uint32_t index_tasks(const void *job) { return smr_ceil_div(smr_le32(radius_of(job)->n_indexes), SMR_OPEN_WORDS); }
-
-static void check_indexes(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    const smr_lists l = lists_of(job);
-    const smr_piece p = smr_piece_of(task, SMR_OPEN_WORDS, smr_le32(radius_of(job)->n_indexes));
-    const unsigned char *from = (const unsigned char *)l.index + (size_t)p.first * l.index_bytes;
-    require(job, all_below(from, l.index_bytes, p.last - p.first, l.members));
-}
-
-static void check_counts(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    const smr_lists l = lists_of(job);
-    const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m_of(job)->n_vertices));
-    int legal = 1;
-    for (uint32_t v = p.first; v < p.last; v++)
-        legal &= smr_list_count(&l, v) != 0u && smr_list_count(&l, v) <= smr_le32(radius_of(job)->largest);
-    require(job, legal);
-}
-
-/* Checks entry i of the current block, `first` .. `last`-1 along the curve. */
-static int check_entry(opening *j, const smr_lists *l, uint32_t first, uint32_t last, uint32_t i)
-{
-    const smr_entry32 e = entry_at(l, i);
-    j->used += (uint64_t)e.n_plus + e.n_minus;
-    return e.vertex < smr_le32(j->m->n_vertices) && smr_model_along(j->m, e.vertex) - first < last - first &&
-           e.parent <= i - first;
-}
-
-/* Marks the vertex of entry i when the window holds it. Returns 0 when it is marked already. */
-static int mark_entry(opening *j, const smr_lists *l, uint32_t i)
-{
-    const uint32_t v = smr_model_along(j->m, entry_at(l, i).vertex) - j->lo, bit = 1u << (v % 32u);
-    if (v >= SMR_WINDOW)
-        return 1;
-    const uint32_t known = j->visited[v / 32u] & bit;
-    j->visited[v / 32u] |= bit;
-    return known == 0u;
-}
-
-/* Goes on behind the entries of a block: to its first window, the next one or the next block. */
-static int next_window(opening *j, uint32_t first, uint32_t last, uint64_t n_indexes)
-{
-    const int legal = j->lo != SMR_NONE || j->used == n_indexes;
-    memset(j->visited, 0, sizeof j->visited);
-    j->i = 0;
-    j->lo = j->lo == SMR_NONE ? first : j->lo + SMR_WINDOW;
-    if (j->lo < last)
-        return legal;
-    j->block++;
-    j->lo = SMR_NONE;
-    j->used = 0;
-    return legal;
-}
-
-/* Checks a piece of the blocks: each vertex of a block has exactly one entry, found window by window. */
-static void check_blocks(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    opening *j = job;
-    const smr_lists l = lists_of(j);
-    const uint32_t n = smr_le32(j->m->n_vertices), n_blocks = smr_le32(radius_of(j)->n_blocks);
-    int legal = 1;
-    for (uint32_t left = SMR_OPEN_PIECE; legal && left > 0u && j->block < n_blocks; left--) {
-        const smr_stored_block *b = &l.block[j->block];
-        const uint32_t first = smr_le32(b[0].first), last = smr_le32(b[1].first);
-        const uint32_t from = smr_le32(b[0].first_index), to = smr_le32(b[1].first_index);
-        if (first >= last || last > n || from > to || to > smr_le32(radius_of(j)->n_indexes)) {
-            legal = 0;
-            break;
-        }
-        for (; left > 1u && j->i < last - first && legal; left--, j->i++)
-            legal = j->lo == SMR_NONE ? check_entry(j, &l, first, last, first + j->i) : mark_entry(j, &l, first + j->i);
-        if (j->i == last - first)
-            legal &= next_window(j, first, last, to - from);
-    }
-    require(j, legal);
-    if (j->block < n_blocks)
-        smr_job_again(&j->head);
-}
-
 /* Checks the size of the differences of several shapes. */
 static int check_references(const smr_model *m, const smr_stored_section *s)
 {
@@ -349,16 +195,16 @@ static int check_references(const smr_model *m, const smr_stored_section *s)
 
 static uint32_t reference_tasks(const void *job)
 {
-    const smr_stored_section *s = smr_model_references(m_of(job));
+    const smr_stored_section *s = smr_model_references(smr_opened(job));
     return s == NULL ? 0u : smr_ceil_div(smr_le32(s->bytes) / 4u, SMR_OPEN_WORDS);
 }
 
 static void check_differences(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const smr_stored_section *s = smr_model_references(m_of(job));
+    const smr_stored_section *s = smr_model_references(smr_opened(job));
     const smr_piece p = smr_piece_of(task, SMR_OPEN_WORDS, smr_le32(s->bytes) / 4u);
-    const uint32_t *from = smr_at(m_of(job), s->at);
-    require(job, floats_within(from + p.first, p.last - p.first, -SMR_DIFFERENCE_MAX, SMR_DIFFERENCE_MAX));
+    const uint32_t *from = smr_at(smr_opened(job), s->at);
+    smr_open_require(job, smr_floats_within(from + p.first, p.last - p.first, -SMR_DIFFERENCE_MAX, SMR_DIFFERENCE_MAX));
 }
 
 /* Checks that additional sections follow each other. Required sections (flags) of unknown kinds are refused. */
@@ -401,37 +247,40 @@ int smr_model_known(const smr_model *m)
 
 static uint32_t byte_tasks(const void *job)
 {
-    return smr_ceil_div(smr_le32(m_of(job)->bytes) - SMR_MODEL_HEAD, SMR_OPEN_BYTES);
+    return smr_ceil_div(smr_le32(smr_opened(job)->bytes) - SMR_MODEL_HEAD, SMR_OPEN_BYTES);
 }
 
 /* Compares the checksum of the bytes. */
 static void sum_bytes(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    opening *j = job;
+    smr_opening *j = job;
     const smr_piece p = smr_piece_of(task, SMR_OPEN_BYTES, smr_le32(j->m->bytes) - SMR_MODEL_HEAD);
     j->crc = smr_crc32(j->crc, (const unsigned char *)j->m + SMR_MODEL_HEAD + p.first, p.last - p.first);
     if (task + 1u == byte_tasks(j))
-        require(j, j->crc == smr_le32(j->m->checksum));
+        smr_open_require(j, j->crc == smr_le32(j->m->checksum));
 }
 
 /* Checks all tables: structures, radii, sections. */
 static void check_tables(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const smr_model *m = m_of(job);
+    const smr_model *m = smr_opened(job);
     int legal = check_sections(m) && check_structures(m) && check_vertex_table(m) && check_profile_table(m) &&
                 section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius));
     uint64_t end = sizeof *m;
     for (uint32_t i = 0; i < smr_le32(m->n_radii) && legal; i++)
         legal = check_sections_of(m, smr_model_radius(m, i), &end);
-    require(job, legal);
+    smr_open_require(job, legal);
 }
 
-static void first_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker) { ((opening *)job)->k = 0; }
+static void first_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    ((smr_opening *)job)->k = 0;
+}
 
 /* Goes on with the next radius, or ends. */
 static void next_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    opening *j = job;
+    smr_opening *j = job;
     if (++j->k < smr_le32(j->m->n_radii))
         j->head.next_stage = j->head.stage - 5u;
     else
@@ -441,23 +290,23 @@ static void next_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
 static const smr_stage stages[] = {
     {byte_tasks, sum_bytes, smr_in_order, NULL},
     {NULL, check_tables, NULL, NULL},
-    {vertex_tasks, check_vertices, smr_in_order, NULL},
-    {vertex_tasks, check_levels, smr_in_order, NULL},
+    {smr_open_vertex_tasks, check_vertices, smr_in_order, NULL},
+    {smr_open_vertex_tasks, check_levels, smr_in_order, NULL},
     {triangle_tasks, check_triangles, smr_in_order, NULL},
     {dihedral_tasks, check_dihedrals, smr_in_order, NULL},
     {reference_tasks, check_differences, smr_in_order, NULL},
     {NULL, first_radius, NULL, NULL},
-    {NULL, check_radius, NULL, NULL},
-    {boundary_tasks, check_boundary, smr_in_order, NULL},
-    {index_tasks, check_indexes, smr_in_order, NULL},
-    {vertex_tasks, check_counts, smr_in_order, NULL},
-    {NULL, check_blocks, NULL, NULL}, /* comes back for each piece */
-    {NULL, next_radius, NULL, NULL},  /* back to check_radius */
+    {NULL, smr_open_radius, NULL, NULL},
+    {smr_open_boundary_tasks, smr_open_boundary, smr_in_order, NULL},
+    {smr_open_index_tasks, smr_open_indexes, smr_in_order, NULL},
+    {smr_open_vertex_tasks, smr_open_counts, smr_in_order, NULL},
+    {NULL, smr_open_blocks, NULL, NULL}, /* comes back for each piece */
+    {NULL, next_radius, NULL, NULL},     /* back to smr_open_radius */
 };
 
 smr_status smr_model_open_begin(const void *memory, size_t bytes, const smr_model **model, smr_job *job)
 {
-    opening *const j = (opening *)(void *)job;
+    smr_opening *const j = (smr_opening *)(void *)job;
     if (memory == NULL || model == NULL || job == NULL)
         return SMR_E_NULL;
     if ((uintptr_t)memory % SMR_ALIGN != 0u)

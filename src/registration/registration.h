@@ -12,7 +12,7 @@
 #include "log/record/log_format.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
-#define SMR_TICKING 0x5a3c6996u /* values far from 0 in bits: a flipped bit does not turn the guard off */
+#define SMR_TICKING 0x5a3c6996u  /* values far from 0 in bits: a flipped bit does not turn the guard off */
 #define SMR_STARTING 0xa596c369u /* ticking: a job is setting the start positions, and only that job goes on */
 #define SMR_GUARD_CLOSED 0xc3a59669u
 #define SMR_STEPS_MAX 46u /* largest number of steps of an iteration */

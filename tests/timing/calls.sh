@@ -26,7 +26,7 @@ done
         FNR == 1 { file++ }
         { time[file, $2] = $5; count[file, $2] = $4; place[file, $2] = $6 }
         file == 1 { call[++n] = $2; kind[n] = $1; element[n] = $3 }
-        END { print "# bones of " count[1, "smr_init"] ", " count[2, "smr_init"] ", " count[3, "smr_init"] " vertices"
+        END { print "# bones of " count[1, "smr_init_begin"] ", " count[2, "smr_init_begin"] ", " count[3, "smr_init_begin"] " vertices"
               print "# piece; call; instructions of the longest piece, for each bone; stage of the job, or step of the tick, with that piece"
               print "# whole; call; instructions of the call; instructions an element of the call, of the largest bone"
               for (i = 1; i <= n; i++) {

@@ -108,7 +108,8 @@ uint64_t smr_cloud_checksum(const smr_points *points) { return at_once(sum_of_cl
 smr_input_sum smr_sum_of_target(const smr_surface *surface)
 {
     const uint32_t nt = surface->tree.n_triangles;
-    smr_input_sum s = smr_is_cloud(surface) ? sum_of_cloud(surface) : sum_from((uint64_t)surface->n_vertices << 32 | nt);
+    smr_input_sum s =
+        smr_is_cloud(surface) ? sum_of_cloud(surface) : sum_from((uint64_t)surface->n_vertices << 32 | nt);
     if (smr_is_cloud(surface)) {
         add_part(&s, ONE, NULL, surface->capacity);
         return s;

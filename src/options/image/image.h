@@ -67,7 +67,8 @@ typedef struct smr_image_summing {
     float sum, count;   /* sum of the ranges of profiles, and number of ranges above 0 */
     float noise, noisy; /* sum of the structures' noise, and number of structures with noise */
 } smr_image_summing;
-int smr_image_goals_sum(smr_image_goals *g, smr_image_summing *j); /* sets noise and n_invisible; returns 1 at the end */
+int smr_image_goals_sum(smr_image_goals *g,
+                        smr_image_summing *j);   /* sets noise and n_invisible; returns 1 at the end */
 void smr_image_goals_commit(smr_image_goals *g); /* when forces are complete: keeps contrast and brightness */
 
 /* Searches vertex v's goal in the image. Returns SMR_GOAL, and the displacement to it, mm; SMR_NO_GOAL: no goal

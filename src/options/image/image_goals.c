@@ -11,7 +11,7 @@
 #define SMR_LONG 16.0f       /* search distance, in samples, above which only every SMR_HOP-th profile sample is used */
 #define SMR_HOP 2u           /* distance, in samples, of the samples used in a long search */
 #define SMR_NOISE 0.1f       /* noise level / mean range of a structure's profiles */
-#define SMR_SUM_PIECE 1024u /* vertices in a piece of sums over profiles */
+#define SMR_SUM_PIECE 1024u  /* vertices in a piece of sums over profiles */
 #define SMR_NOISY 1.0f       /* noise of the image / mean noise level of structures above which samples are averaged */
 #define SMR_NOISY_EDGE 2.0f  /* the same ratio, from which on the confidence of edges falls, down to a half */
 #define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */

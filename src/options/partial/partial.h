@@ -182,7 +182,7 @@ void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control,
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel);
 /* Returns a start position in the pose that fits the controls, mm. */
 smr_vec smr_field_posed(const smr_occluded_field *f, smr_vec at);
-void smr_field_normals_end(smr_occluded_field *f);    /* computes coefficients; applies the motions to the pose */
+void smr_field_normals_end(smr_occluded_field *f); /* computes coefficients; applies the motions to the pose */
 /* Adds twice the area vectors and areas at rest of triangles first .. last - 1 to the sums. */
 void smr_occluded_field_add(const smr_shared *shared, uint32_t first, uint32_t last, smr_vec *sum, float *areas);
 /* Sets `sheet` from the sums over all triangles: lengths of the structures' area vectors, and areas. */

@@ -5,7 +5,7 @@
 #include "registration/api/start.h"
 #include "registration/config/config.h"
 
-#define SMR_RESTORE_PIECE 8192u /* bytes in a task that compares sums */
+#define SMR_RESTORE_PIECE 4096u /* bytes in a task that compares sums */
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 

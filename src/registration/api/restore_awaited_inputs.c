@@ -44,14 +44,16 @@ static int begin_sum(const smr *s, uint32_t at, uint32_t *like, smr_input_sum *s
     if (at < n && target[at].surface != NULL)
         for (*like = 0; target[*like].surface != target[at].surface;)
             ++*like;
-    if (at < n ? *like != at : at == n ? !s->forces.image.has_image : at <= 2u * n && (goals == NULL || goals[at - n - 1u].xyz == NULL))
+    if (at < n    ? *like != at
+        : at == n ? !s->forces.image.has_image
+                  : at <= 2u * n && (goals == NULL || goals[at - n - 1u].xyz == NULL))
         return 0;
     if (at > 2u * n && (at == 2u * n + 1u || fixed == NULL || fixed[at - 2u * n - 2u].surface == NULL))
         return 0;
-    *sum = at < n          ? smr_sum_of_target(target[at].surface)
-           : at == n       ? smr_sum_of_volume(&s->forces.image.grid.volume)
-           : at <= 2u * n  ? smr_sum_of_goals(&goals[at - n - 1u], s->shape.structure[at - n - 1u].n_vertices)
-                           : smr_sum_of_target(fixed[at - 2u * n - 2u].surface);
+    *sum = at < n         ? smr_sum_of_target(target[at].surface)
+           : at == n      ? smr_sum_of_volume(&s->forces.image.grid.volume)
+           : at <= 2u * n ? smr_sum_of_goals(&goals[at - n - 1u], s->shape.structure[at - n - 1u].n_vertices)
+                          : smr_sum_of_target(fixed[at - 2u * n - 2u].surface);
     return 1;
 }
 

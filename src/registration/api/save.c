@@ -92,12 +92,12 @@ void smr_go_over(smr *s, smr_keeper *k)
 
 /* ---- smr_save() as a job ---- */
 
-#define SMR_CRC_PIECE 8192u /* bytes in a task that checks sums */
+#define SMR_CRC_PIECE 4096u /* bytes in a task that checks sums */
 
 typedef struct saving {
     smr_measuring job;
     unsigned char *to;
-    size_t needed, at; /* bytes of the save; bytes done in the present stage */
+    size_t needed, at;   /* bytes of the save; bytes done in the present stage */
     uint32_t crc, whole; /* CRC-32 of the bytes done; 1: all values at once */
     smr_summing inputs;
 } saving;
@@ -124,9 +124,14 @@ static void sum_inputs(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t 
 static void write_header(const smr *s, unsigned char *to, uint32_t needed, uint32_t plan)
 {
     const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
-    const uint32_t header[SMR_SAVED_FIXED / 4u] = {
-        SMR_SAVED_MAGIC, SMR_SAVED_VERSION, needed, version, smr_le32(s->shared.model->checksum),
-        s->shared.n,     plan,              smr_log_config_words(&s->shared.config)};
+    const uint32_t header[SMR_SAVED_FIXED / 4u] = {SMR_SAVED_MAGIC,
+                                                   SMR_SAVED_VERSION,
+                                                   needed,
+                                                   version,
+                                                   smr_le32(s->shared.model->checksum),
+                                                   s->shared.n,
+                                                   plan,
+                                                   smr_log_config_words(&s->shared.config)};
     for (size_t i = 0; i < SMR_SAVED_FIXED / 4u; i++)
         smr_log_put32(to + 4u * i, header[i]);
     smr_log_put_config(to + SMR_SAVED_FIXED, &s->shared.config);
@@ -161,7 +166,8 @@ static void sum_bytes(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
         smr_log_put32(j->to + j->at, j->crc);
 }
 
-static const smr_stage stages[] = { /* each comes back for each piece */
+static const smr_stage stages[] = {
+    /* each comes back for each piece */
     {NULL, sum_inputs, NULL, NULL},
     {NULL, write_values, NULL, NULL},
     {NULL, sum_bytes, NULL, NULL},

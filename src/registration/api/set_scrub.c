@@ -256,7 +256,8 @@ static void turn_on(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t wor
         ((starting *)job)->job.head.status = SMR_E_DAMAGED;
 }
 
-static const smr_stage stages[] = { /* the first three come back for each piece */
+static const smr_stage stages[] = {
+    /* the first three come back for each piece */
     {on, check_model, NULL, NULL},
     {on, sum_inputs, NULL, NULL},
     {on, share_sum, NULL, NULL},

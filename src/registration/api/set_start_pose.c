@@ -37,8 +37,7 @@ static void check_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_shared *c = &of(j)->shared;
     const smr_piece p = smr_piece_of(task, SMR_START_PIECE, n_given(j));
     const smr_vec centre = smr_model_centre(c->model);
-    int legal =
-        j->xyz == NULL || smr_all_within(j->xyz + 3u * (size_t)p.first, 3u * (p.last - p.first), SMR_COORD_MAX);
+    int legal = j->xyz == NULL || smr_all_within(j->xyz + 3u * (size_t)p.first, 3u * (p.last - p.first), SMR_COORD_MAX);
     for (uint32_t v = p.first; v < p.last && j->xyz == NULL; v++)
         legal &= smr_within3(smr_pose_apply(&j->pose, smr_add(smr_rest(c, v), centre)), SMR_BORDER);
     if (!legal)
@@ -165,7 +164,8 @@ void smr_start_find_parts(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
     smr_shape *shape = &of(j)->shape;
     const smr_shared *c = shape->shared;
     const int all = j->k == c->n_structures;
-    const uint32_t n = all ? c->n : shape->structure[j->k].n_vertices, at = all ? 0u : shape->structure[j->k].first_vertex;
+    const uint32_t n = all ? c->n : shape->structure[j->k].n_vertices,
+                   at = all ? 0u : shape->structure[j->k].first_vertex;
     if (j->at == 0u) {
         smr_fit_start(&j->fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
         j->most = 0.0f;
@@ -214,7 +214,7 @@ uint32_t smr_start_fits(const void *job)
 {
     const smr *s = in(job);
     return SMR_HAS_CONTACT && (s->volumes.kept != NULL || s->forces.smooth.height != NULL) ? smr_start_vertices(job)
-                                                                                            : 0u;
+                                                                                           : 0u;
 }
 
 /* Finds scale and side of the start, which volumes and heights at rest depend on. */

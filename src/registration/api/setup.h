@@ -66,7 +66,7 @@ enum {
 
 /* counts, saves, checks or restores saved values: all fields of structs, and of slots those in k->first .. k->last - 1 */
 void smr_go_over(smr *s, smr_keeper *k);
-#define SMR_KEEP_PIECE 4096u /* bytes of a save that a task saves, checks or restores */
+#define SMR_KEEP_PIECE 2048u /* bytes of a save that a task saves, checks or restores */
 
 /* restore_awaited_inputs.c: saves checksums of the caller's inputs, and which structures share a surface. */
 void smr_keep_inputs(smr_arena *a, smr *s);
@@ -75,7 +75,8 @@ typedef struct smr_summing {
     uint32_t at, begun; /* entry of the list; 1: `sum` has begun */
     smr_input_sum sum;
 } smr_summing;
-int smr_sum_inputs(const smr *s, smr_summing *j, uint32_t most); /* adds items, as smr_sum_add(). Returns 1 at the end */
+int smr_sum_inputs(const smr *s, smr_summing *j,
+                   uint32_t most);      /* adds items, as smr_sum_add(). Returns 1 at the end */
 int smr_can_wait(const smr_shared *c);  /* 0: no memory for the list of awaited inputs: a forged model */
 int smr_awaits_log(const smr_log *log); /* 1: restored without the log's memory, which must be set */
 

@@ -7,25 +7,25 @@
 #include "registration/api/setup.h"
 #include "registration/measure_job.h"
 
-#define SMR_START_PIECE 256u /* vertices in a task */
+#define SMR_START_PIECE 128u /* vertices in a task */
 
 /* Start positions in the making. */
 typedef struct smr_starting {
     smr_measuring job;
-    smr_run_task *then;  /* goes on when the positions are set; NULL: the job ends */
-    const float *xyz;    /* positions of a structure, mm; NULL: the rest shape in a pose */
+    smr_run_task *then; /* goes on when the positions are set; NULL: the job ends */
+    const float *xyz;   /* positions of a structure, mm; NULL: the rest shape in a pose */
     uint32_t structure;
-    uint32_t claimed;    /* 1: positions are being written, and only this job goes on */
+    uint32_t claimed;     /* 1: positions are being written, and only this job goes on */
     smr_pose given, pose; /* pose of the rest shape, and the same without its shift; then a fitted pose */
-    smr_status wrong;    /* status where a position is out of range */
-    smr_vec shift;       /* displacement of all positions, mm: to the origin in a pose, then to a new origin */
-    smr_box box;         /* box around the positions visited so far, mm */
-    smr_fit fit;         /* sums of the fit in progress */
-    float most;          /* largest squared distance from a rigid pose so far, mm^2 */
-    uint32_t k, at;      /* structure that is measured now, and number of its items done */
-    smr_bulk bulk;       /* volume of that structure so far */
-    smr_vec area;        /* twice the sum of its area vectors at rest, mm^2 */
-    float open, areas;   /* lengths of such sums of all structures, and sums of lengths, mm^2 */
+    smr_status wrong;     /* status where a position is out of range */
+    smr_vec shift;        /* displacement of all positions, mm: to the origin in a pose, then to a new origin */
+    smr_box box;          /* box around the positions visited so far, mm */
+    smr_fit fit;          /* sums of the fit in progress */
+    float most;           /* largest squared distance from a rigid pose so far, mm^2 */
+    uint32_t k, at;       /* structure that is measured now, and number of its items done */
+    smr_bulk bulk;        /* volume of that structure so far */
+    smr_vec area;         /* twice the sum of its area vectors at rest, mm^2 */
+    float open, areas;    /* lengths of such sums of all structures, and sums of lengths, mm^2 */
 } smr_starting;
 
 /* The registration in the arena while smr_init() divides it. */

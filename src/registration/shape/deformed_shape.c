@@ -6,8 +6,8 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/shape/deformed_shape.h"
 
-#define SMR_LEAVES 32u     /* number of tree leaves in a task */
-#define SMR_UPPERS 24u     /* number of tree nodes above the leaves in a task */
+#define SMR_LEAVES 32u /* number of tree leaves in a task */
+#define SMR_UPPERS 24u /* number of tree nodes above the leaves in a task */
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
