@@ -90,12 +90,13 @@ static size_t before(size_t at, size_t size, size_t count, size_t end)
     return n < count ? n : count;
 }
 
-/* Adds count, kind and range of values to the checksum k->plan. Returns the values to be processed. */
+/* Adds count, kind and range of values to the checksum k->plan of a first pass. Returns the values to be processed. */
 static values begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
 {
     const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
     values v = {k->at, 0, 0};
-    k->plan = smr_crc32(k->plan, facts, sizeof facts);
+    if (k->first == 0u) /* later passes need not list the values again */
+        k->plan = smr_crc32(k->plan, facts, sizeof facts);
     if (k->mode != SMR_KEEP_COUNT && (k->at > k->bytes || count > (k->bytes - k->at) / size)) {
         k->wrong = 1;
         return v;

@@ -74,13 +74,14 @@ _Static_assert(sizeof(restoring) <= SMR_JOB_BYTES, "a restore in progress lies i
  * when all values are in range and no byte is left over. */
 static int go_over(restoring *j, smr *s, uint32_t mode, int *over)
 {
-    const size_t all = j->bytes, last = j->whole || all - j->at < SMR_KEEP_PIECE ? all : j->at + SMR_KEEP_PIECE;
+    const size_t all = j->bytes, last = smr_keep_end(j->at, all, j->whole);
     smr_keeper k = {
         .mode = mode, .from = j->from, .at = values_at(j->from), .bytes = all, .first = j->at, .last = last};
     smr_go_over(s, &k);
+    const int planned = j->at > 0u || k.plan == word_of(j->from, SMR_SAVED_AT_PLAN);
     j->at = last;
     *over = last == all;
-    return !k.wrong && k.at == k.bytes && k.plan == word_of(j->from, SMR_SAVED_AT_PLAN);
+    return !k.wrong && k.at == k.bytes && planned;
 }
 
 /* Checks the model, and that the configuration differs in n_workers at most. */

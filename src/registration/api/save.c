@@ -98,6 +98,7 @@ typedef struct saving {
     smr_measuring job;
     unsigned char *to;
     size_t needed, at;   /* bytes of the save; bytes done in the present stage */
+    uint32_t plan;       /* checksum of the list of values */
     uint32_t crc, whole; /* CRC-32 of the bytes done; 1: all values at once */
     smr_summing inputs;
 } saving;
@@ -141,8 +142,9 @@ static void write_header(const smr *s, unsigned char *to, uint32_t needed, uint3
 static void write_values(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     saving *j = job;
-    const size_t all = j->needed - 4u, last = j->whole || all - j->at < SMR_KEEP_PIECE ? all : j->at + SMR_KEEP_PIECE;
+    const size_t all = j->needed - 4u, last = smr_keep_end(j->at, all, j->whole);
     const smr_keeper k = go_over(j->job.s, SMR_KEEP_SAVE, j->to, all, j->at, last);
+    j->plan = j->at == 0u ? k.plan : j->plan;
     j->at = last;
     if (k.wrong)
         j->job.head.status = SMR_E_STATE;
@@ -150,7 +152,7 @@ static void write_values(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_
         smr_job_again(&j->job.head);
         return;
     }
-    write_header(j->job.s, j->to, (uint32_t)j->needed, k.plan);
+    write_header(j->job.s, j->to, (uint32_t)j->needed, j->plan);
     j->at = 0;
 }
 

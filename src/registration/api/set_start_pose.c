@@ -353,6 +353,7 @@ static void begin(smr *s, smr_starting *j)
     j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
     j->job.head.guard = guard;
     j->then = note_start;
+    j->claimed = s->ticking == SMR_STARTING; /* positions are half those of a job that was left */
     j->wrong = SMR_E_INPUT;
 }
 
