@@ -327,9 +327,9 @@ typedef struct smr_job {
  * another measure; the port, as in smr_tick()), those of the call NAME. */
 smr_status smr_job_step(smr_job *job, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
-/* Begin smr_model_open(), smr_init(), smr_set_pose() and smr_set_positions() in pieces. Memory that arguments name stays
- * borrowed until the end; config, port and pose are copied. Until SMR_OK arena holds no registration. Once positions are
- * being written, other calls with s return E_STATE until the job ends; smr_set_pose() may start anew. */
+/* Begin smr_model_open(), smr_init(), smr_set_pose() and smr_set_positions() in pieces. Memory that arguments name
+ * stays borrowed; config, port and pose are copied. Until SMR_OK arena holds no registration. While positions are
+ * being written, other calls with s return E_STATE; after a job that was left smr_set_pose() starts anew. */
 smr_status smr_model_open_begin(const void *memory, size_t bytes, const smr_model **model, smr_job *job);
 smr_status smr_init_begin(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
                           size_t bytes, smr **s, smr_job *job);
@@ -1126,7 +1126,7 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                        size_t saved_bytes, void *arena, size_t bytes, smr **s);
 
-/* Begin smr_save() and smr_restore() in pieces (section 7). Errors of a save's bytes come from smr_job_step(). */
+/* Begin smr_save() and smr_restore() in pieces (section 7). */
 smr_status smr_save_begin(smr *s, void *memory, size_t bytes, smr_job *job);
 smr_status smr_restore_begin(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                              size_t saved_bytes, void *arena, size_t bytes, smr **s, smr_job *job);

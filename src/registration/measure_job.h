@@ -23,8 +23,8 @@ static inline smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, u
     return (smr_measuring){smr_job_begin(stages, n_stages, &s->port), s, s->log.changes, s->n_measured};
 }
 
-/* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when `legal` is 0, or a tick, a setter
- * or another measure has come since the begin. */
+/* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when `legal` is 0, or a tick, a
+ * setter or another measure has come since the begin. */
 static inline int smr_hold_guard(smr_measuring *m, int enter, int legal)
 {
     smr *const s = m->s;

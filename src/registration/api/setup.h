@@ -64,7 +64,7 @@ enum {
     SMR_SAVED_AT_CONFIG_WORDS
 };
 
-/* counts, saves, checks or restores saved values: all fields of structs, and of slots those in k->first .. k->last - 1 */
+/* counts, saves, checks or restores fields of structs, and of slots the values in bytes k->first .. k->last - 1 */
 void smr_go_over(smr *s, smr_keeper *k);
 #define SMR_KEEP_PIECE 2048u /* bytes of a save that a task saves, checks or restores */
 
