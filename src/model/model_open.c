@@ -32,22 +32,6 @@ static int check_structures(const smr_model *m)
     return vertices == smr_le32(m->n_vertices) && triangles == smr_le32(m->n_triangles);
 }
 
-SMR_SHARED int smr_floats_within(const uint32_t *stored, size_t n, float lo, float hi)
-{
-    int legal = 1;
-    for (size_t i = 0; i < n; i++)
-        legal &= smr_le_float(stored[i]) >= lo && smr_le_float(stored[i]) <= hi;
-    return legal;
-}
-
-SMR_SHARED int smr_all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
-{
-    int legal = 1;
-    for (size_t i = 0; i < n; i++)
-        legal &= smr_index_at(list, width, i) < limit;
-    return legal;
-}
-
 uint32_t smr_open_vertex_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_vertices)); }
 
 /* Checks rest positions, masses and ranges of profiles, that position and original are inverse to each other, and that

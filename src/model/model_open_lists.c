@@ -1,8 +1,24 @@
-/* model_open_lists.c: checks of the lists of a model's radii: indexes, counts, pairs at cluster boundaries, and that
+/* model_open_lists.c: checks of lists, and of those of a model's radii: indexes, counts, pairs at cluster boundaries, and that
  * each vertex of a block has exactly one entry.
  * Work: one pass over each array, and over a radius' entries once per SMR_WINDOW vertices of a block.
  * SPDX-License-Identifier: MIT */
 #include "model/model_open.h"
+
+SMR_SHARED int smr_floats_within(const uint32_t *stored, size_t n, float lo, float hi)
+{
+    int legal = 1;
+    for (size_t i = 0; i < n; i++)
+        legal &= smr_le_float(stored[i]) >= lo && smr_le_float(stored[i]) <= hi;
+    return legal;
+}
+
+SMR_SHARED int smr_all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
+{
+    int legal = 1;
+    for (size_t i = 0; i < n; i++)
+        legal &= smr_index_at(list, width, i) < limit;
+    return legal;
+}
 
 static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
 {

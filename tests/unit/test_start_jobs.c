@@ -1,5 +1,5 @@
-/* test_start_jobs.c: opening a model, setting up, start positions, save, restore and scrub in pieces give the bits of the
- * whole calls, keep other calls out while positions are written, and leave nothing behind where they fail.
+/* test_start_jobs.c: opening a model, setting up, start positions, save, restore and scrub in pieces give the bits of
+ * the whole calls, keep other calls out while positions are written, and leave nothing behind where they fail.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 

@@ -1,4 +1,4 @@
-/* surface_sweep.h: what surface_contact.c measures at places of one surface: depth in another surface, and contact area.
+/* surface_sweep.h: what surface_contact.c measures at places of one surface: depth in another surface, contact area.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SURFACE_SWEEP_H
 #define SMR_SURFACE_SWEEP_H

@@ -5,7 +5,6 @@
 #include "geometry/surface/mesh.h"
 #include "options/references/references.h"
 #include "registration/api/start.h"
-#include "registration/schedule_radius.h"
 
 #define SMR_FAR_OFF 500.0f     /* distance of the model from the origin, mm, from which on the origin is moved */
 #define SMR_POSE_LEAST 1.0e-9f /* smallest legal determinant of a pose (metres to kilometres); reflections are below */

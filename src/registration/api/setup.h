@@ -68,7 +68,7 @@ enum {
 void smr_go_over(smr *s, smr_keeper *k);
 #define SMR_KEEP_PIECE 2048u /* bytes of a save that a task saves, checks or restores */
 
-/* Returns the byte behind those of the slots that a pass from byte `at` on processes, of `all`; the first pass: none. */
+/* Returns the byte behind those of slots that a pass from byte `at` on processes, of `all`; the first pass: none. */
 static inline size_t smr_keep_end(size_t at, size_t all, uint32_t whole)
 {
     return whole || all - at < SMR_KEEP_PIECE ? all : at + (at == 0u ? SMR_SAVED_FIXED : SMR_KEEP_PIECE);
