@@ -1,4 +1,4 @@
-/* model_open_lists.c: checks of lists, and of those of a model's radii: indexes, counts, pairs at cluster boundaries, and that
+/* model_open_lists.c: checks of lists, and of those of a model's radii: indexes, counts, pairs at boundaries, and that
  * each vertex of a block has exactly one entry.
  * Work: one pass over each array, and over a radius' entries once per SMR_WINDOW vertices of a block.
  * SPDX-License-Identifier: MIT */
