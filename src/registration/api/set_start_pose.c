@@ -29,6 +29,9 @@ static uint32_t n_given(const smr_starting *j)
 
 static uint32_t given_tasks(const void *job) { return pieces(n_given(job)); }
 
+/* Returns the point p of the model in the pose. Not inlined, which saves room. */
+SMR_SHARED static smr_vec posed(const smr_starting *j, smr_vec p) { return smr_pose_apply(&j->pose, p); }
+
 /* Checks a piece of the positions. */
 static void check_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -38,7 +41,7 @@ static void check_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_vec centre = smr_model_centre(c->model);
     int legal = j->xyz == NULL || smr_all_within(j->xyz + 3u * (size_t)p.first, 3u * (p.last - p.first), SMR_COORD_MAX);
     for (uint32_t v = p.first; v < p.last && j->xyz == NULL; v++)
-        legal &= smr_within3(smr_pose_apply(&j->pose, smr_add(smr_rest(c, v), centre)), SMR_BORDER);
+        legal &= smr_within3(posed(j, smr_add(smr_rest(c, v), centre)), SMR_BORDER);
     if (!legal)
         j->job.head.status = j->wrong;
 }
@@ -53,7 +56,7 @@ static void claim(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worke
     s->shape.in_parts = 0;
     if (j->xyz != NULL)
         return;
-    const smr_vec moved = smr_pose_apply(&j->pose, smr_model_centre(s->shared.model));
+    const smr_vec moved = posed(j, smr_model_centre(s->shared.model));
     s->shape.origin = smr_whole(moved);
     j->shift = smr_sub(moved, s->shape.origin);
     j->pose.m[0][3] = j->pose.m[1][3] = j->pose.m[2][3] = 0.0f;
@@ -66,7 +69,7 @@ static void place_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr *s = j->job.s;
     const smr_piece p = smr_piece_of(task, SMR_START_PIECE, n_given(j));
     for (uint32_t i = p.first; i < p.last && j->xyz == NULL; i++)
-        smr_put3(s->shape.x, i, smr_add(smr_pose_apply(&j->pose, smr_rest(&s->shared, i)), j->shift));
+        smr_put3(s->shape.x, i, smr_add(posed(j, smr_rest(&s->shared, i)), j->shift));
     for (uint32_t i = p.first; i < p.last && j->xyz != NULL; i++) {
         const uint32_t at = s->shape.structure[j->structure].first_vertex + i;
         const smr_vec x = smr_load(j->xyz + 3u * (size_t)i);
@@ -75,7 +78,7 @@ static void place_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 }
 
 /* Adds a piece of positions to the box. */
-void smr_start_add_to_box(smr_starting *j, uint32_t task, float *xyz)
+SMR_SHARED void smr_start_add_to_box(smr_starting *j, uint32_t task, float *xyz)
 {
     const smr_piece p = piece_of(j->job.s, task);
     if (task == 0u)
@@ -178,7 +181,7 @@ void smr_start_find_parts(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32
             smr_fit_add(&j->fit, rest, start, 1.0f);
             continue;
         }
-        const smr_vec off = smr_sub(smr_pose_apply(&j->pose, rest), start);
+        const smr_vec off = smr_sub(posed(j, rest), start);
         j->most = smr_max(j->most, smr_dot(off, off));
     }
     const int over = j->at == 2u * n, rigid = j->most <= SMR_RIGID_MM * SMR_RIGID_MM;
