@@ -273,7 +273,7 @@ static int can_touch(const smr_surface *a, const smr_surface *b, const smr_sweep
         return 0;
     const smr_vec nearest = smr_low(smr_high(smr_sub(one.lo, s->shift), s->around.lo), s->around.hi);
     const smr_box moved = {smr_sub(one.lo, s->shift), smr_sub(one.hi, s->shift)};
-    const float reach = (s->within + SMR_ROUNDED_MM) * SMR_ROUNDED;
+    const float reach = (s->within + SMR_SWEEP_MORE_MM) * SMR_SWEEP_MORE;
     return smr_box_reaches(&moved, nearest, reach);
 }
 

@@ -22,7 +22,7 @@ static int find_side(const smr_sweep *s, smr_vec p, float most, float deep, smr_
 }
 
 /* Returns the distance between two places, rounded up. */
-static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_ROUNDED + SMR_ROUNDED_MM; }
+static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_SWEEP_MORE + SMR_SWEEP_MORE_MM; }
 
 /* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper
  * than the deepest place so far. Returns 0 when that is not known. */
@@ -66,7 +66,7 @@ smr_sweep_middle smr_sweep_triangle(const smr_sweep *s, uint32_t k, smr_sweep_pl
     if (last->side < SMR_FAR && last->side - moved >= round)
         return m;
     const float third = smr_length(smr_triangle_cross(corner[0], corner[1], corner[2])) * (1.0f / 6.0f);
-    if (adds_surely(s, last, moved + size * SMR_ROUNDED, f, 3.0f * third)) {
+    if (adds_surely(s, last, moved + size * SMR_SWEEP_MORE, f, 3.0f * third)) {
         m.sum = f->sum;
     } else {
         if (!find_side(s, centre, round, SMR_DEPTH_MOST, last) || !(last->side < round))
@@ -97,7 +97,7 @@ smr_box smr_sweep_box(const smr_surface *s) { return box_of_node(&s->tree.node[s
 int smr_sweep_leaf(const smr_sweep *s, uint32_t leaf, smr_sweep_place *middle)
 {
     const smr_box box = box_of_node(&s->a->tree.node[leaf]);
-    const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_ROUNDED;
+    const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_SWEEP_MORE;
     const smr_vec at = smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift);
     middle->warm = SMR_NONE;
     return find_side(s, at, reach, SMR_DEPTH_MOST + half, middle) && middle->side <= reach;

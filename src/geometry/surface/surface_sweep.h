@@ -5,9 +5,9 @@
 
 #include "geometry/surface/surface.h"
 
-#define SMR_DEPTH_MOST 100.0f  /* mm: greater depths count as this depth */
-#define SMR_ROUNDED 1.001f     /* factor on lengths that must not be too short by rounding */
-#define SMR_ROUNDED_MM 1.0e-4f /* added to such lengths, mm */
+#define SMR_DEPTH_MOST 100.0f     /* mm: greater depths count as this depth */
+#define SMR_SWEEP_MORE 1.001f     /* factor on lengths that must not be too short by rounding */
+#define SMR_SWEEP_MORE_MM 1.0e-4f /* added to such lengths, mm */
 
 /* What tasks have found of surface a in surface b. */
 typedef struct smr_sweep_found {
