@@ -327,6 +327,15 @@ typedef struct smr_job {
  * another measure; the port, as in smr_tick()), those of the call NAME. */
 smr_status smr_job_step(smr_job *job, uint32_t units, const smr_port *port, uint64_t budget_ns);
 
+/* Begin smr_model_open(), smr_init(), smr_set_pose() and smr_set_positions() in pieces. Memory that arguments name
+ * stays borrowed; config, port and pose are copied. Until SMR_OK arena holds no registration. While positions are
+ * being written, other calls with s return E_STATE; after a job that was left smr_set_pose() starts anew. */
+smr_status smr_model_open_begin(const void *memory, size_t bytes, const smr_model **model, smr_job *job);
+smr_status smr_init_begin(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                          size_t bytes, smr **s, smr_job *job);
+smr_status smr_set_pose_begin(smr *s, const smr_pose *pose, smr_job *job);
+smr_status smr_set_positions_begin(smr *s, uint32_t structure, const float *xyz, smr_job *job);
+
 /* Tests whether compiler and processor compute float arithmetic as the library needs. Returns 0, or a sum of
  * SMR_FLOAT_...; any flag means that results have other bits than elsewhere. The test needs no memory and some hundred
  * instructions. Each thread has its own floating-point mode: call the test at power-on in the context of smr_tick(). */
@@ -1117,6 +1126,11 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                        size_t saved_bytes, void *arena, size_t bytes, smr **s);
 
+/* Begin smr_save() and smr_restore() in pieces (section 7). */
+smr_status smr_save_begin(smr *s, void *memory, size_t bytes, smr_job *job);
+smr_status smr_restore_begin(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
+                             size_t saved_bytes, void *arena, size_t bytes, smr **s, smr_job *job);
+
 /* Returns in *n how many inputs must still be set before s ticks: structures with a surface or a cloud, the image,
  * caller's goals and force, fixed surfaces, the log. Without smr_restore() *n is 0. Errors: E_NULL, E_STATE. */
 smr_status smr_get_awaited(const smr *s, uint32_t *n);
@@ -1289,6 +1303,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
  * Errors: E_NULL, E_STATE (as smr_tick()), E_INPUT (what), E_DAMAGED (the model is not as it was opened, too). */
 enum { SMR_SCRUB_INPUTS = 1, SMR_SCRUB_STATE = 2 };
 smr_status smr_set_scrub(smr *s, uint32_t what);
+smr_status smr_set_scrub_begin(smr *s, uint32_t what, smr_job *job); /* in pieces (section 7); off until the end */
 
 /* Continues the round for budget_ns; 0: runs a whole round. Returns SMR_PARTIAL until the round ends. Errors: E_NULL,
  * E_STATE (as smr_tick(); SMR_SCRUB_INPUTS is off), E_DAMAGED. */

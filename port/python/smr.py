@@ -87,6 +87,7 @@ _EXPECTED = {
     ("smr_set_landmarks", _E_ARENA): "at most as many landmarks as the setting n_landmarks are expected",
     ("smr_set_volume", _E_STATE): "profiles are expected: Model.prepare(..., reference=the image of the model)",
     ("smr_save", _E_STATE): _COMPLETE,
+    ("smr_save_begin", _E_STATE): _COMPLETE,
     ("smr_get_verdict", _E_STATE): _COMPLETE,
     ("smr_get_expected_error", _E_STATE): _COMPLETE,
     ("smr_get_expected_parts", _E_STATE): _COMPLETE,
@@ -259,7 +260,8 @@ _CALLS = {
     "smr_get_reference_weights": "ppp", "smr_get_pose": "pupp", "smr_set_goals": "pupp", "smr_tick": "pqp",
     "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup", "smr_set_fixed": "pup",
     "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
-    "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
+    "smr_save": "ppz", "smr_job_step": "pupq", "smr_set_pose_begin": "ppp", "smr_set_positions_begin": "pupp",
+    "smr_save_begin": "ppzp", "smr_set_scrub_begin": "pup", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
     "smr_set_active": "pu", "smr_set_scrub": "pu", "smr_scrub": "pq", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
     "smr_get_verdict": "pup", "smr_get_visible": "pup", "smr_get_expected_error": "pup",
     "smr_get_expected_parts": "pupp", "smr_get_local_volume": "pufp", "smr_carry_bytes": "uuup",
@@ -913,6 +915,30 @@ def _as_targets(target: Targets) -> Dict[Union[int, str, None], Union[Surface, P
     return {None: _as_target(target)}
 
 
+class Job:
+    """A call in pieces, for programs with little time at once: step() until it returns True, then result.
+
+    From the first position that a job of set_pose_begin() or set_positions_begin() writes until its end, other calls
+    for the registration raise SmrError, but set_pose() starts anew."""
+
+    def __init__(self, registration: Registration, result: Any = None, *kept: Any) -> None:
+        self._state = (C.c_uint64 * 256)()  # SMR_JOB_BYTES
+        self._kept, self._result, self.done = (registration, result, *kept), result, False
+
+    def step(self, units: int = 0, budget_ns: int = 0) -> bool:
+        """Goes on for `units` pieces, or budget_ns; 0: no limit. Returns whether the job has ended."""
+        self.done = _lib.smr_job_step(self._state, _whole(units, "units", _MOST), None,
+                                      _whole(int(budget_ns), "budget_ns", (1 << 64) - 1)) == 0
+        return self.done
+
+    @property
+    def result(self) -> Any:
+        """What the call returns: bytes of a save; None of others."""
+        if not self.done:
+            raise ValueError("the job has not ended: call step() until it returns True")
+        return None if self._result is None else self._result.tobytes()
+
+
 class Registration:
     """A registration in progress, tick by tick.
 
@@ -957,6 +983,13 @@ class Registration:
         out = np.empty(size, np.uint8)
         self._call(_lib.smr_save, _at(out), size)
         return out.tobytes()
+
+    def save_begin(self) -> Job:
+        """Begins save(); the job's result is the bytes. A tick ends the job with an error."""
+        out = np.empty(_sized(_lib.smr_save_bytes, self._handle), np.uint8)
+        job = Job(self, out)
+        self._call(_lib.smr_save_begin, _at(out), len(out), job._state)
+        return job
 
     @classmethod
     def restore(cls, model: Model, saved: Any, target: Targets = None, threads: Optional[int] = 1) -> Registration:
@@ -1053,6 +1086,19 @@ class Registration:
         a = self._vertices(structure, xyz)  # kept until the library has it
         self._call(_lib.smr_set_positions, self.model.index(structure), _at(a))
 
+    def set_pose_begin(self, pose: Any) -> Job:
+        """Begins set_pose()."""
+        job = Job(self)
+        self._call(_lib.smr_set_pose_begin, C.byref(_pose_struct(pose)), job._state)
+        return job
+
+    def set_positions_begin(self, structure: Union[int, str], xyz: Any) -> Job:
+        """Begins set_positions()."""
+        a = self._vertices(structure, xyz)
+        job = Job(self, None, a)
+        self._call(_lib.smr_set_positions_begin, self.model.index(structure), _at(a), job._state)
+        return job
+
     def _vertices(self, structure: Union[int, str], xyz: Any) -> Array:
         a, n = _numbers(xyz, "xyz"), self.model.n_vertices(structure)
         if len(a) != n:
@@ -1141,6 +1187,12 @@ class Registration:
     def set_scrub(self, inputs: bool = True, state: bool = True) -> None:
         """Checks model, targets and image by checksum, a slice in each tick, and the whole arena in each call."""
         self._call(_lib.smr_set_scrub, bool(inputs) + 2 * bool(state))
+
+    def set_scrub_begin(self, inputs: bool = True, state: bool = True) -> Job:
+        """Begins set_scrub()."""
+        job = Job(self)
+        self._call(_lib.smr_set_scrub_begin, bool(inputs) + 2 * bool(state), job._state)
+        return job
 
     def scrub(self, budget_ns: int = 0) -> bool:
         """Goes on with the round over the inputs, or runs a whole one (0). Returns whether the round has ended."""

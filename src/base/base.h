@@ -76,6 +76,17 @@ static inline int smr_all_within(const float *value, size_t n, float most)
 typedef uint32_t smr_count_tasks(const void *stage);
 typedef void smr_run_task(void *stage, uint32_t task, uint32_t worker);
 
+/* The items first .. last-1 of an array. */
+typedef struct smr_piece {
+    uint32_t first, last;
+} smr_piece;
+
+/* Returns part k of `parts` about equal parts of n items. */
+static inline smr_piece smr_part(uint32_t n, uint32_t k, uint32_t parts)
+{
+    return (smr_piece){(uint32_t)((uint64_t)n * k / parts), (uint32_t)((uint64_t)n * (k + 1u) / parts)};
+}
+
 /* A parallel loop run by the caller's port. Sums of task numbers, one a worker, reveal a task that did not run. */
 typedef struct smr_loop {
     smr_task run;

@@ -44,11 +44,16 @@ static inline smr_job_head smr_job_begin(const smr_stage *stages, uint32_t n_sta
                           .port = port != NULL && port->n_workers > 0u ? *port : (smr_port){NULL, 1, NULL, NULL}};
 }
 
-/* The items first .. last-1 of piece `task`, when n items are divided into pieces of `size` items. */
-typedef struct smr_piece {
-    uint32_t first, last;
-} smr_piece;
+/* Runs the current stage once more, or goes on with other stages, when the stage is over. */
+static inline void smr_job_again(smr_job_head *h) { h->next_stage = h->stage; }
+static inline void smr_job_go(smr_job_head *h, const smr_stage *stages, uint32_t n_stages)
+{
+    h->stages = stages;
+    h->n_stages = n_stages;
+    h->next_stage = 0;
+}
 
+/* Returns the items of piece `task`, when n items are divided into pieces of `size` items. */
 static inline smr_piece smr_piece_of(uint32_t task, uint32_t size, uint32_t n)
 {
     return (smr_piece){task * size, smr_min_u32(n, (task + 1u) * size)};

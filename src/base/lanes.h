@@ -42,4 +42,25 @@ static inline smr_lanes3 smr_lanes3_add(smr_lanes3 a, smr_lanes3 b)
 static inline smr_lanes3 smr_lanes3_scale(smr_lanes3 a, smr_lanes s) { return (smr_lanes3){a.x * s, a.y * s, a.z * s}; }
 static inline smr_lanes smr_lanes3_dot(smr_lanes3 a, smr_lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
+/* Returns a less each of b[n] times s[n], one after the other. */
+static inline smr_lanes3 smr_lanes3_less(smr_lanes3 a, const smr_lanes3 *b, const float *s, uint32_t n)
+{
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' /* compilers would keep vectors of two in memory */
+    float x0 = a.x[0], x1 = a.x[1], y0 = a.y[0], y1 = a.y[1], z0 = a.z[0], z1 = a.z[1];
+    for (uint32_t j = 0; j < n; j++) {
+        x0 -= b[j].x[0] * s[j];
+        x1 -= b[j].x[1] * s[j];
+        y0 -= b[j].y[0] * s[j];
+        y1 -= b[j].y[1] * s[j];
+        z0 -= b[j].z[0] * s[j];
+        z1 -= b[j].z[1] * s[j];
+    }
+    return (smr_lanes3){{x0, x1}, {y0, y1}, {z0, z1}};
+#else
+    for (uint32_t j = 0; j < n; j++)
+        a = (smr_lanes3){a.x - b[j].x * s[j], a.y - b[j].y * s[j], a.z - b[j].z * s[j]};
+    return a;
+#endif
+}
+
 #endif

@@ -10,23 +10,36 @@ void *smr_slot_scratch(smr_arena *a, void *now, size_t count, size_t size)
     return smr_keeps(a) ? now : smr_arena_take(a, count, size);
 }
 
+/* Marks the values that are listed next as those of a slot, or no longer. */
+static void set_slot(smr_arena *a, uint32_t slot)
+{
+    if (smr_keeps(a))
+        a->keeper->slot = slot;
+}
+
 float *smr_slot_floats(smr_arena *a, float *now, size_t count, float most)
 {
+    set_slot(a, 1);
     smr_keep_floats(a, now, count, -most, most);
+    set_slot(a, 0);
     return smr_slot_scratch(a, now, count, sizeof *now);
 }
 
 uint32_t *smr_slot_indexes(smr_arena *a, uint32_t *now, size_t count, uint32_t below)
 {
+    set_slot(a, 1);
     if (smr_keeps(a))
         a->keeper->calls->words(a->keeper, now, count, below - 1u, 1);
+    set_slot(a, 0);
     return smr_slot_scratch(a, now, count, sizeof *now);
 }
 
 uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most)
 {
+    set_slot(a, 1);
     if (smr_keeps(a))
         a->keeper->calls->bytes(a->keeper, now, count, most);
+    set_slot(a, 0);
     return smr_slot_scratch(a, now, count, 1);
 }
 
@@ -65,39 +78,54 @@ void smr_keep_pose(smr_arena *a, smr_pose *pose, float most)
 
 enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
 
-/* Adds count, kind and range of values to the checksum k->plan. Returns 1 when the values are to be processed. */
-static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
+/* The values first .. last-1 of an array, which begins at byte `at` of a save. */
+typedef struct values {
+    size_t at, first, last;
+} values;
+
+/* Returns the number of values, of `size` bytes each from byte `at` on, that begin before byte `end`. */
+static size_t before(size_t at, size_t size, size_t count, size_t end)
 {
-    const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
-    k->plan = smr_crc32(k->plan, facts, sizeof facts);
-    if (k->mode == SMR_KEEP_COUNT) {
-        k->at += count * size;
-        return 0;
-    }
-    if (k->at > k->bytes || count > (k->bytes - k->at) / size)
-        k->wrong = 1;
-    return !k->wrong;
+    const size_t n = end > at ? (end - at - 1u) / size + 1u : 0u;
+    return n < count ? n : count;
 }
 
-/* Appends *value to the bytes of a save; in a check or restore reads the next word of those bytes into *value. */
-static void word(smr_keeper *k, uint32_t *value)
+/* Adds count, kind and range of values to the checksum k->plan of a first pass. Returns the values to be processed. */
+static values begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
+{
+    const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
+    values v = {k->at, 0, 0};
+    if (k->first == 0u) /* later passes need not list the values again */
+        k->plan = smr_crc32(k->plan, facts, sizeof facts);
+    if (k->mode != SMR_KEEP_COUNT && (k->at > k->bytes || count > (k->bytes - k->at) / size)) {
+        k->wrong = 1;
+        return v;
+    }
+    k->at += count * size;
+    if (k->mode == SMR_KEEP_COUNT || k->wrong)
+        return v;
+    v.first = k->slot ? before(v.at, size, count, k->first) : 0u;
+    v.last = k->slot ? before(v.at, size, count, k->last) : count;
+    return v;
+}
+
+/* Writes *value to byte `at` of a save; in a check or restore reads the word there into *value. */
+static void word(const smr_keeper *k, size_t at, uint32_t *value)
 {
     uint32_t stored = smr_le32(*value);
     if (k->mode == SMR_KEEP_SAVE)
-        memcpy(k->to + k->at, &stored, sizeof stored);
+        memcpy(k->to + at, &stored, sizeof stored);
     else
-        memcpy(&stored, k->from + k->at, sizeof stored);
+        memcpy(&stored, k->from + at, sizeof stored);
     *value = smr_le32(stored);
-    k->at += sizeof stored;
 }
 
 static void words(smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none)
 {
-    if (!begin(k, count, sizeof *field, KEPT_WORD + 256u * (uint32_t)or_none, most))
-        return;
-    for (size_t i = 0; i < count; i++) {
+    const values v = begin(k, count, sizeof *field, KEPT_WORD + 256u * (uint32_t)or_none, most);
+    for (size_t i = v.first; i < v.last; i++) {
         uint32_t value = k->mode == SMR_KEEP_SAVE ? field[i] : 0u;
-        word(k, &value);
+        word(k, v.at + sizeof value * i, &value);
         k->wrong |= value > most && !(or_none && value == SMR_NONE);
         if (field != NULL)
             field[i] = value;
@@ -106,11 +134,10 @@ static void words(smr_keeper *k, uint32_t *field, size_t count, uint32_t most, i
 
 static void floats(smr_keeper *k, float *field, size_t count, float least, float most)
 {
-    if (!begin(k, count, sizeof *field, KEPT_FLOAT, smr_float_bits(least) + 3u * smr_float_bits(most)))
-        return;
-    for (size_t i = 0; i < count; i++) {
+    const values v = begin(k, count, sizeof *field, KEPT_FLOAT, smr_float_bits(least) + 3u * smr_float_bits(most));
+    for (size_t i = v.first; i < v.last; i++) {
         uint32_t bits = k->mode == SMR_KEEP_SAVE ? smr_float_bits(field[i]) : 0u;
-        word(k, &bits);
+        word(k, v.at + sizeof bits * i, &bits);
         const float value = smr_float_of(bits);
         k->wrong |= !(value >= least && value <= most);
         if (field != NULL)
@@ -120,12 +147,11 @@ static void floats(smr_keeper *k, float *field, size_t count, float least, float
 
 static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
 {
-    if (!begin(k, count, 1, KEPT_BYTE, most))
-        return;
-    for (size_t i = 0; i < count; i++, k->at++) {
+    const values v = begin(k, count, 1, KEPT_BYTE, most);
+    for (size_t i = v.first; i < v.last; i++) {
         if (k->mode == SMR_KEEP_SAVE)
-            k->to[k->at] = field[i];
-        const uint8_t value = k->mode == SMR_KEEP_SAVE ? field[i] : k->from[k->at];
+            k->to[v.at + i] = field[i];
+        const uint8_t value = k->mode == SMR_KEEP_SAVE ? field[i] : k->from[v.at + i];
         k->wrong |= value > most;
         if (field != NULL)
             field[i] = value;

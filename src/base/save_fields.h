@@ -37,6 +37,8 @@ typedef struct smr_keeper {
     unsigned char *to;         /* [bytes] memory that a save writes */
     const unsigned char *from; /* [bytes] memory that a check or restore reads */
     size_t at, bytes;          /* number of bytes processed so far; size of `to` or `from`, bytes */
+    size_t first, last; /* bytes of this pass: values of slots elsewhere are left out, but not fields of structs */
+    uint32_t slot;      /* 1: the values belong to a slot */
 } smr_keeper;
 
 /* Returns 1 while the arena counts, saves, checks or restores values instead of placing slots. */

@@ -1,12 +1,12 @@
-/* model_open.c: smr_model_open() and its checks, after which every count, offset and index of a model is safe to use.
+/* model_open.c: smr_model_open() and its checks, after which every count, offset and index of a model is safe to use. A
+ * job (base/job.h) of stages that check arrays in pieces; a stage relies on the counts and sections checked before it.
  * Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
-#include "model/model.h"
+#include "model/model_open.h"
 
 #define SMR_RANGE_MAX 2.0e30f /* largest range or absolute low of a profile: twice the largest voxel value */
 #define SMR_DIFFERENCE_MAX (8.0f * SMR_COORD_MAX) /* mm: largest difference of a reference from the mean shape */
-#define SMR_WINDOW 4096u /* number of vertices, a bit each on the stack, checked at a time for one entry each */
 
 /* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 SMR_SHARED static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
@@ -32,154 +32,125 @@ static int check_structures(const smr_model *m)
     return vertices == smr_le32(m->n_vertices) && triangles == smr_le32(m->n_triangles);
 }
 
-SMR_SHARED static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
-{
-    int legal = 1;
-    for (size_t i = 0; i < n; i++)
-        legal &= smr_le_float(stored[i]) >= lo && smr_le_float(stored[i]) <= hi;
-    return legal;
-}
+uint32_t smr_open_vertex_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_vertices)); }
 
-/* Returns 1 when all n indexes of the list, each `width` bytes wide, are below `limit`. */
-SMR_SHARED static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
+/* Checks rest positions, masses and ranges of profiles, that position and original are inverse to each other, and that
+ * owner agrees with the structures. */
+static void check_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    int legal = 1;
-    for (size_t i = 0; i < n; i++)
-        legal &= smr_index_at(list, width, i) < limit;
-    return legal;
-}
-
-/* Checks that position and original are inverse to each other, and that owner agrees with the structures. */
-static int check_numbering(const smr_model *m)
-{
-    const uint32_t n = smr_le32(m->n_vertices);
-    for (uint32_t s = 0; s < smr_le32(m->n_structures); s++) {
-        const uint32_t first = smr_le32(smr_model_record(m, s)->first_vertex);
-        const uint32_t last = first + smr_le32(smr_model_record(m, s)->n_vertices);
-        for (uint32_t i = first; i < last; i++) {
-            const uint32_t v = smr_word_at(m, m->at_position, i);
-            if (v >= n || smr_word_at(m, m->at_original, v) != i || smr_model_owner(m, v) != s)
-                return 0;
-        }
+    smr_opening *j = job;
+    const smr_model *m = j->m;
+    const uint32_t n = smr_le32(m->n_vertices), *rest = smr_at(m, m->at_rest);
+    const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, n);
+    const size_t first = p.first, count = p.last - p.first;
+    int legal = smr_floats_within(rest + 3u * first, 3u * count, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
+                smr_floats_within((const uint32_t *)smr_at(m, m->at_mass) + first, count, 1.0f / SMR_MASS_UNITS,
+                                  SMR_MASS_MAX) &&
+                (m->profile_samples == 0u || smr_floats_within((const uint32_t *)smr_at(m, m->at_ranges) + 2u * first,
+                                                               2u * count, -SMR_RANGE_MAX, SMR_RANGE_MAX));
+    for (size_t i = 3u * first; i < 3u * (size_t)p.last; i++)
+        legal &= smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f);
+    j->k = task == 0u ? 0u : j->k;
+    for (uint32_t i = p.first; i < p.last && legal; i++) {
+        const smr_stored_structure *r = smr_model_record(m, j->k);
+        while (i >= smr_le32(r->first_vertex) + smr_le32(r->n_vertices))
+            r = smr_model_record(m, ++j->k);
+        const uint32_t v = smr_word_at(m, m->at_position, i);
+        legal = v < n && smr_word_at(m, m->at_original, v) == i && smr_model_owner(m, v) == j->k;
     }
-    return 1;
+    smr_open_require(j, legal);
 }
 
-/* Checks that levels are ranges of stored vertices in which curve positions ascend, 0 .. n - 1 in all, each once. */
-static int check_levels(const smr_model *m)
+/* Checks that levels are ranges of stored vertices, in order. */
+static int check_level_table(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
-    uint32_t at[SMR_LEVELS_MAX], begin = 0;
+    uint32_t begin = 0;
     if (n_levels == 0u || n_levels > SMR_LEVELS_MAX || !section(m, m->at_along, n, 4))
         return 0;
     for (uint32_t i = 0; i < n_levels; i++) {
-        at[i] = begin;
         if (smr_le32(m->level_end[i]) <= begin || smr_le32(m->level_end[i]) > n)
             return 0;
         begin = smr_le32(m->level_end[i]);
     }
-    if (begin != n)
-        return 0;
-    for (uint32_t place = 0; place < n; place++) {
-        uint32_t i = 0;
-        while (i < n_levels && (at[i] == smr_le32(m->level_end[i]) || smr_model_along(m, at[i]) != place))
-            i++;
-        if (i == n_levels)
-            return 0;
-        at[i]++;
-    }
-    return 1;
+    return begin == n;
 }
 
-static int rest_within(const smr_model *m)
+/* Checks that curve positions ascend in each level, and are 0 .. n - 1 in all, each once. */
+static void check_levels(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const uint32_t *rest = smr_at(m, m->at_rest);
-    int legal = 1;
-    for (size_t i = 0; i < 3u * (size_t)smr_le32(m->n_vertices); i++)
-        legal &= smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f);
-    return legal;
+    smr_opening *j = job;
+    const smr_model *m = j->m;
+    const uint32_t n_levels = smr_le32(m->n_levels);
+    const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m->n_vertices));
+    for (uint32_t i = 0; i < n_levels && task == 0u; i++)
+        j->next[i] = i == 0u ? 0u : smr_le32(m->level_end[i - 1u]);
+    for (uint32_t place = p.first; place < p.last; place++) {
+        uint32_t i = 0;
+        while (i < n_levels && (j->next[i] == smr_le32(m->level_end[i]) || smr_model_along(m, j->next[i]) != place))
+            i++;
+        if (i == n_levels) {
+            smr_open_require(j, 0);
+            return;
+        }
+        j->next[i]++;
+    }
 }
 
-static int check_vertices(const smr_model *m)
+static int check_vertex_table(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
     return section(m, m->at_position, n, 4) && section(m, m->at_original, n, 4) && section(m, m->at_owner, n, 2) &&
            section(m, m->at_rest, n, 12) && section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) &&
-           section(m, m->at_triangle_index, nt, 4) && check_numbering(m) && check_levels(m) &&
-           floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
-           floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
-           floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
-           rest_within(m) && floats_within(smr_at(m, m->at_mass), n, 1.0f / SMR_MASS_UNITS, SMR_MASS_MAX) &&
-           all_below(smr_at(m, m->at_triangles), 4, 3u * (size_t)nt, n);
+           section(m, m->at_triangle_index, nt, 4) && check_level_table(m) &&
+           section(m, m->at_dihedrals, smr_le32(m->n_dihedrals), sizeof(smr_stored_dihedral)) &&
+           smr_floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
+           smr_floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX);
 }
 
-static int check_dihedrals(const smr_model *m)
+static uint32_t dihedral_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_dihedrals)); }
+
+static void check_dihedrals(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const uint32_t n = smr_le32(m->n_dihedrals), nt = smr_le32(m->n_triangles);
-    if (!section(m, m->at_dihedrals, n, sizeof(smr_stored_dihedral)))
-        return 0;
+    const smr_model *m = smr_opened(job);
+    const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m->n_dihedrals));
+    const uint32_t nt = smr_le32(m->n_triangles);
     const smr_stored_dihedral *h = smr_at(m, m->at_dihedrals);
     int legal = 1;
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = p.first; i < p.last; i++)
         legal &= smr_le32(h[i].first) < nt && (smr_le32(h[i].bend) & SMR_DIHEDRAL_MASK) < nt;
-    return legal;
+    smr_open_require(job, legal);
 }
 
-static int check_profiles(const smr_model *m)
+static int check_profile_table(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), samples = smr_le32(m->profile_samples);
-    if (samples == 0u)
-        return 1;
-    return samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
-           floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) && section(m, m->at_profiles, n, samples) &&
-           section(m, m->at_ranges, n, 8) &&
-           floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -SMR_RANGE_MAX, SMR_RANGE_MAX);
+    return samples == 0u || (samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
+                             smr_floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) &&
+                             section(m, m->at_profiles, n, samples) && section(m, m->at_ranges, n, 8));
 }
+
+static uint32_t triangle_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_triangles)); }
 
 /* Checks that the corners and the caller's index of each triangle belong to the triangle's structure. */
-static int check_triangle_indexes(const smr_model *m)
+static void check_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
+    smr_opening *j = job;
+    const smr_model *m = j->m;
     const uint32_t *triangle_index = smr_at(m, m->at_triangle_index), *corner = smr_at(m, m->at_triangles);
-    for (uint32_t s = 0; s < smr_le32(m->n_structures); s++) {
-        const uint32_t first = smr_le32(smr_model_record(m, s)->first_triangle);
-        const uint32_t n = smr_le32(smr_model_record(m, s)->n_triangles);
-        if (!all_below(triangle_index + first, 4, n, n))
-            return 0;
-        for (size_t i = 3u * (size_t)first; i < 3u * ((size_t)first + n); i++)
-            if (smr_model_owner(m, smr_le32(corner[i])) != s)
-                return 0;
+    const smr_piece p = smr_piece_of(task, SMR_OPEN_PIECE, smr_le32(m->n_triangles));
+    int legal =
+        smr_all_below(corner + 3u * (size_t)p.first, 4, 3u * (size_t)(p.last - p.first), smr_le32(m->n_vertices));
+    j->k = task == 0u ? 0u : j->k;
+    for (uint32_t i = p.first; i < p.last && legal; i++) {
+        const smr_stored_structure *r = smr_model_record(m, j->k);
+        while (i >= smr_le32(r->first_triangle) + smr_le32(r->n_triangles))
+            r = smr_model_record(m, ++j->k);
+        legal = smr_le32(triangle_index[i]) < smr_le32(r->n_triangles);
+        for (size_t c = 3u * (size_t)i; c < 3u * (size_t)i + 3u; c++)
+            legal &= smr_model_owner(m, smr_le32(corner[c])) == j->k;
     }
-    return 1;
-}
-
-/* Checks that each vertex of a block, first .. last-1 along the curve, has exactly one entry. */
-static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
-{
-    for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
-        uint32_t visited[SMR_WINDOW / 32u] = {0};
-        for (uint32_t i = first; i < last; i++) {
-            uint32_t v = smr_model_along(m, smr_entry_at(l, i).vertex) - lo;
-            if (v >= SMR_WINDOW)
-                continue;
-            if (visited[v / 32u] >> (v % 32u) & 1u)
-                return 0;
-            visited[v / 32u] |= 1u << (v % 32u);
-        }
-    }
-    return 1;
-}
-
-static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last, uint64_t n_indexes)
-{
-    const uint32_t n = smr_le32(m->n_vertices);
-    uint64_t used = 0;
-    for (uint32_t i = first; i < last; i++) {
-        const smr_entry32 e = smr_entry_at(l, i);
-        if (e.vertex >= n || smr_model_along(m, e.vertex) - first >= last - first || e.parent > i - first)
-            return 0;
-        used += (uint64_t)e.n_plus + e.n_minus;
-    }
-    return used == n_indexes && each_once(m, l, first, last);
+    smr_open_require(j, legal);
 }
 
 /* Checks that a radius' sections lie in the model, in order, from offset *end on. Sets *end to the last one's end. */
@@ -198,51 +169,26 @@ static int check_sections_of(const smr_model *m, const smr_stored_radius *r, uin
     return 1;
 }
 
-static int check_boundary(const smr_model *m, const smr_stored_radius *r)
-{
-    const uint32_t n = smr_le32(m->n_vertices);
-    const smr_stored_boundary *b = smr_at(m, r->at_boundary);
-    int legal = 1;
-    for (uint32_t i = 0; i < smr_le32(r->n_boundary); i++)
-        legal &= smr_le32(b[i].first) < n && smr_le32(b[i].second) < n && smr_le32(b[i].share) <= SMR_BOUNDARY_UNITS;
-    return legal;
-}
-
-static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t index)
-{
-    const uint32_t n = smr_le32(m->n_vertices), n_blocks = smr_le32(r->n_blocks), width = smr_le32(m->index_bytes);
-    const uint32_t n_indexes = smr_le32(r->n_indexes);
-    if (n_blocks == 0u || n_blocks > n || !check_boundary(m, r) ||
-        !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
-        !floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) || !floats_within(&r->mean, 1, 0.0f, 1.0e7f) ||
-        smr_le32(r->largest) == 0u || smr_le32(r->largest) > n || smr_le32(r->active_min) == 0u ||
-        smr_le32(r->active_min) > n)
-        return 0;
-    const smr_lists l = smr_model_lists(m, index);
-    if (l.members > n || l.active_min > l.members || !all_below(l.index, width, n_indexes, l.members))
-        return 0;
-    for (uint32_t v = 0; v < n; v++)
-        if (smr_list_count(&l, v) == 0u || smr_list_count(&l, v) > smr_le32(r->largest))
-            return 0;
-    if (smr_le32(l.block[0].first) != 0u || smr_le32(l.block[0].first_index) != 0u ||
-        smr_le32(l.block[n_blocks].first) != n || smr_le32(l.block[n_blocks].first_index) != n_indexes)
-        return 0;
-    for (uint32_t b = 0; b < n_blocks; b++) {
-        uint32_t first = smr_le32(l.block[b].first), last = smr_le32(l.block[b + 1u].first);
-        uint32_t from = smr_le32(l.block[b].first_index), to = smr_le32(l.block[b + 1u].first_index);
-        if (first >= last || last > n || from > to || to > n_indexes || !check_block(m, &l, first, last, to - from))
-            return 0;
-    }
-    return 1;
-}
-
-/* Checks the differences of several shapes. */
+/* Checks the size of the differences of several shapes. */
 static int check_references(const smr_model *m, const smr_stored_section *s)
 {
     const uint32_t n = smr_reference_count(m, s);
     const size_t floats = 3u * (size_t)n * smr_le32(m->n_vertices);
-    return n >= 2u && n <= SMR_REFERENCES_MAX && smr_le32(s->bytes) == sizeof(float) * floats &&
-           floats_within(smr_at(m, s->at), floats, -SMR_DIFFERENCE_MAX, SMR_DIFFERENCE_MAX);
+    return n >= 2u && n <= SMR_REFERENCES_MAX && smr_le32(s->bytes) == sizeof(float) * floats;
+}
+
+static uint32_t reference_tasks(const void *job)
+{
+    const smr_stored_section *s = smr_model_references(smr_opened(job));
+    return s == NULL ? 0u : smr_ceil_div(smr_le32(s->bytes) / 4u, SMR_OPEN_WORDS);
+}
+
+static void check_differences(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_stored_section *s = smr_model_references(smr_opened(job));
+    const smr_piece p = smr_piece_of(task, SMR_OPEN_WORDS, smr_le32(s->bytes) / 4u);
+    const uint32_t *from = smr_at(smr_opened(job), s->at);
+    smr_open_require(job, smr_floats_within(from + p.first, p.last - p.first, -SMR_DIFFERENCE_MAX, SMR_DIFFERENCE_MAX));
 }
 
 /* Checks that additional sections follow each other. Required sections (flags) of unknown kinds are refused. */
@@ -283,28 +229,85 @@ int smr_model_known(const smr_model *m)
            smr_le32(m->coarse_radii) < smr_le32(m->n_radii) && (m->coarse_radii == 0u) == (m->coarse_vertices == 0u);
 }
 
-static int check_header(const smr_model *m, size_t bytes)
+static uint32_t byte_tasks(const void *job)
 {
-    const uint32_t size = smr_le32(m->bytes);
-    return smr_model_known(m) && size <= bytes &&
-           smr_crc32(0, (const unsigned char *)m + SMR_MODEL_HEAD, size - SMR_MODEL_HEAD) == smr_le32(m->checksum);
+    return smr_ceil_div(smr_le32(smr_opened(job)->bytes) - SMR_MODEL_HEAD, SMR_OPEN_BYTES);
 }
 
-smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model)
+/* Compares the checksum of the bytes. */
+static void sum_bytes(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    if (memory == NULL || model == NULL)
+    smr_opening *j = job;
+    const smr_piece p = smr_piece_of(task, SMR_OPEN_BYTES, smr_le32(j->m->bytes) - SMR_MODEL_HEAD);
+    j->crc = smr_crc32(j->crc, (const unsigned char *)j->m + SMR_MODEL_HEAD + p.first, p.last - p.first);
+    if (task + 1u == byte_tasks(j))
+        smr_open_require(j, j->crc == smr_le32(j->m->checksum));
+}
+
+/* Checks all tables: structures, radii, sections. */
+static void check_tables(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_model *m = smr_opened(job);
+    int legal = check_sections(m) && check_structures(m) && check_vertex_table(m) && check_profile_table(m) &&
+                section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius));
+    uint64_t end = sizeof *m;
+    for (uint32_t i = 0; i < smr_le32(m->n_radii) && legal; i++)
+        legal = check_sections_of(m, smr_model_radius(m, i), &end);
+    smr_open_require(job, legal);
+}
+
+static void first_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    ((smr_opening *)job)->k = 0;
+}
+
+/* Goes on with the next radius, or ends. */
+static void next_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_opening *j = job;
+    if (++j->k < smr_le32(j->m->n_radii))
+        j->head.next_stage = j->head.stage - 5u;
+    else
+        *j->out = j->m;
+}
+
+static const smr_stage stages[] = {
+    {byte_tasks, sum_bytes, smr_in_order, NULL},
+    {NULL, check_tables, NULL, NULL},
+    {smr_open_vertex_tasks, check_vertices, smr_in_order, NULL},
+    {smr_open_vertex_tasks, check_levels, smr_in_order, NULL},
+    {triangle_tasks, check_triangles, smr_in_order, NULL},
+    {dihedral_tasks, check_dihedrals, smr_in_order, NULL},
+    {reference_tasks, check_differences, smr_in_order, NULL},
+    {NULL, first_radius, NULL, NULL},
+    {NULL, smr_open_radius, NULL, NULL},
+    {smr_open_boundary_tasks, smr_open_boundary, smr_in_order, NULL},
+    {smr_open_index_tasks, smr_open_indexes, smr_in_order, NULL},
+    {smr_open_vertex_tasks, smr_open_counts, smr_in_order, NULL},
+    {NULL, smr_open_blocks, NULL, NULL}, /* comes back for each piece */
+    {NULL, next_radius, NULL, NULL},     /* back to smr_open_radius */
+};
+
+smr_status smr_model_open_begin(const void *memory, size_t bytes, const smr_model **model, smr_job *job)
+{
+    smr_opening *const j = (smr_opening *)(void *)job;
+    if (memory == NULL || model == NULL || job == NULL)
         return SMR_E_NULL;
     if ((uintptr_t)memory % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
     const smr_model *m = memory;
-    if (bytes < sizeof *m || !check_header(m, bytes) || !check_sections(m) || !check_structures(m) ||
-        !check_vertices(m) || !check_triangle_indexes(m) || !check_dihedrals(m) || !check_profiles(m) ||
-        !section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
+    if (bytes < sizeof *m || !smr_model_known(m) || smr_le32(m->bytes) > bytes)
         return SMR_E_MODEL;
-    uint64_t end = sizeof *m;
-    for (uint32_t i = 0; i < smr_le32(m->n_radii); i++)
-        if (!check_sections_of(m, smr_model_radius(m, i), &end) || !check_radius(m, smr_model_radius(m, i), i))
-            return SMR_E_MODEL;
-    *model = m;
+    memset(j, 0, sizeof *j);
+    j->head = smr_job_begin(stages, sizeof stages / sizeof stages[0], NULL);
+    j->m = m;
+    j->out = model;
     return SMR_OK;
+}
+
+smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model)
+{
+    smr_job job;
+    SMR_TRY(smr_model_open_begin(memory, bytes, model, &job));
+    return smr_job_step(&job, 0, NULL, 0);
 }

@@ -12,7 +12,8 @@
 #include "log/record/log_format.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
-#define SMR_TICKING 0x5a3c6996u /* values far from 0 in bits: a flipped bit does not turn the guard off */
+#define SMR_TICKING 0x5a3c6996u  /* values far from 0 in bits: a flipped bit does not turn the guard off */
+#define SMR_STARTING 0xa596c369u /* ticking: a job is setting the start positions, and only that job goes on */
 #define SMR_GUARD_CLOSED 0xc3a59669u
 #define SMR_STEPS_MAX 46u /* largest number of steps of an iteration */
 
@@ -84,7 +85,7 @@ struct smr {
     uint32_t n_awaited; /* number of inputs that must be set again after a restore */
     /* sets an awaited input of this kind (SMR_LOG_...) and number; the pointer is set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
-    const struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
+    struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
     smr_port port;
     smr_shared shared;
     smr_schedule schedule;

@@ -215,13 +215,8 @@ static solved solve(const smr_normal_field *f, const places *p)
         const float *const row = smr_factor_row(f->lower, i);
         smr_lanes d2;
         const smr_lanes3 with = with_observation(f, p, i, &d2);
-        smr_lanes3 one = with;
-        for (uint32_t j = 0; j < i; j++) {
-            one.x -= known[j].x * row[j];
-            one.y -= known[j].y * row[j];
-            one.z -= known[j].z * row[j];
-        }
-        known[i] = one = smr_lanes3_scale(one, smr_lanes_of(1.0f / row[i]));
+        const smr_lanes3 one = smr_lanes3_scale(smr_lanes3_less(with, known, row, i), smr_lanes_of(1.0f / row[i]));
+        known[i] = one;
         const smr_lanes along = smr_lanes3_dot(one, p->normal);
         k.left -= smr_lanes3_dot(one, one);
         k.across -= along * along;

@@ -7,7 +7,7 @@
 #include "base/fixed_point.h"
 #include "geometry/box_tree/triangle.h"
 #include "registration/schedule_radius.h"
-#include "verdict/measure_job.h"
+#include "registration/measure_job.h"
 
 #define SMR_LOCAL_EDGES 8.0f     /* default radius in mean edge lengths */
 #define SMR_LOCAL_MOST 1.0e6f    /* largest ratio of volumes that is returned */

@@ -5,7 +5,7 @@
 #ifndef SMR_VERDICT_MEASURES_H
 #define SMR_VERDICT_MEASURES_H
 
-#include "verdict/measure_job.h"
+#include "registration/measure_job.h"
 
 /* A weighted mean: sum of value times weight, and sum of weights. */
 typedef struct smr_mean {

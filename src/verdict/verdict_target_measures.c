@@ -3,14 +3,17 @@
  * Bounds: a search for each vertex and triangle of a target surface; two for each point of a cloud and structure that
  * shares it; SMR_MEASURE_PIECE of them in a task.
  * SPDX-License-Identifier: MIT */
+#include "base/lanes.h"
 #include "geometry/box_tree/triangle.h"
 #include "verdict/verdict_measures.h"
 
 #define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
 #define SMR_MEASURE_AGREE 0.0f  /* cosine of the angle between two normals above which the normals agree */
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
-#define SMR_MEASURE_GROUP 2u    /* vertices in a task whose distances are found together */
-#define SMR_MEASURE_PIECE 8u    /* vertices, triangles or points in a task that searches for each of them */
+/* Vertices in a task whose distances are found together; fewer where a piece takes long. No result depends on it. */
+#define SMR_MEASURE_GROUP (SMR_LANES / 2u)
+#define SMR_MEASURE_PIECE 8u   /* triangles of the target or points in a task that searches for each of them */
+#define SMR_MEASURE_NORMALS 5u /* triangles of the model in a task, which are searched for together */
 
 /* Returns the share of a triangle's corners that are visible. */
 static float visible_part(const smr_judgement *j, const uint32_t *t)
@@ -125,7 +128,7 @@ uint32_t smr_triangles_measure_tasks(const void *job)
 {
     const smr_judgement *j = job;
     return j->verdict != NULL && smr_judged_target(j) != NULL
-               ? smr_ceil_div(smr_judged(j)->tree.n_triangles, SMR_MEASURE_PIECE)
+               ? smr_ceil_div(smr_judged(j)->tree.n_triangles, SMR_MEASURE_NORMALS)
                : 0u;
 }
 
@@ -134,7 +137,7 @@ void smr_triangles_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;
     const smr_box_tree *f = &smr_judged(j)->tree;
-    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_PIECE, f->n_triangles);
+    const smr_piece piece = smr_piece_of(task, SMR_MEASURE_NORMALS, f->n_triangles);
     const float *distance = smr_judged_distance(j);
     smr_mean *const place = smr_judge_place(j, task);
     group g = {.n = 0};

@@ -68,18 +68,19 @@ static smr_status target_init(uint32_t moves)
     const smr_config config = target_calls_config(moves);
     size_t bytes = 0;
     const smr_status status = smr_arena_bytes(in.model, &config, &bytes);
-    return status != SMR_OK ? status : smr_init(in.model, &config, &port, target_take(bytes), bytes, &in.s);
+    return status != SMR_OK ? status
+                            : smr_init_begin(in.model, &config, &port, target_take(bytes), bytes, &in.s, &in.job);
 }
 
 /* ---- calls that run whole ---- */
 
-static smr_status target_open(void) { return smr_model_open(in.of, sizeof target_file[0], &in.of); }
+static smr_status target_open(void) { return smr_model_open_begin(in.of, sizeof target_file[0], &in.of, &in.job); }
 static smr_status target_mesh(void) { return smr_model_mesh(in.model, 0, target_xyz[2], target_triangles[1]); }
 static smr_status target_start_one(void) { return target_init(0); }
 static smr_status target_surface(void) { return smr_set_surface(in.s, SMR_ALL, in.surface); }
 static smr_status target_fixed(void) { return smr_set_fixed(in.s, 0, in.moved); }
-static smr_status target_set_pose(void) { return smr_set_pose(in.s, &target_poses[0]); }
-static smr_status target_positions(void) { return smr_set_positions(in.s, 0, target_xyz[2]); }
+static smr_status target_set_pose(void) { return smr_set_pose_begin(in.s, &target_poses[0], &in.job); }
+static smr_status target_positions(void) { return smr_set_positions_begin(in.s, 0, target_xyz[2], &in.job); }
 static smr_status target_marks(void) { return smr_set_landmarks(in.s, in.mark, TARGET_MARKS); }
 static smr_status target_goals(void) { return smr_set_goals(in.s, 0, target_xyz[2], NULL); }
 static smr_status target_ratio(void) { return smr_set_volume_ratio(in.s, 0, 1.0f); }
@@ -102,11 +103,11 @@ static smr_status target_weights(void)
     return smr_get_reference_weights(in.s, target_out, &n);
 }
 static smr_status target_get_marks(void) { return smr_get_landmarks(in.s, target_out); }
+static smr_status target_save_bytes(void) { return smr_save_bytes(in.s, &in.saved_bytes); }
 static smr_status target_save(void)
 {
-    const smr_status status = smr_save_bytes(in.s, &in.saved_bytes);
     in.saved = target_take(in.saved_bytes);
-    return status == SMR_OK ? smr_save(in.s, in.saved, in.saved_bytes) : status;
+    return smr_save_begin(in.s, in.saved, in.saved_bytes, &in.job);
 }
 static smr_status target_restore(void)
 {
@@ -114,15 +115,15 @@ static smr_status target_restore(void)
     const smr_config config = target_calls_config(0);
     const size_t before = in.used;
     size_t bytes = 0;
-    smr *s = NULL;
+    static smr *s;
     const smr_status status = smr_arena_bytes(in.model, &config, &bytes);
     void *const arena = target_take(bytes);
     in.used = before;
     return status == SMR_OK && arena != NULL
-               ? smr_restore(in.model, NULL, &port, in.saved, in.saved_bytes, arena, bytes, &s)
+               ? smr_restore_begin(in.model, NULL, &port, in.saved, in.saved_bytes, arena, bytes, &s, &in.job)
                : SMR_E_ARENA;
 }
-static smr_status target_scrub_on(void) { return smr_set_scrub(in.s, SMR_SCRUB_INPUTS); }
+static smr_status target_scrub_on(void) { return smr_set_scrub_begin(in.s, SMR_SCRUB_INPUTS, &in.job); }
 static smr_status target_closest(void)
 {
     smr_closest hit;
@@ -247,18 +248,18 @@ static const struct {
     smr_status (*run)(void); /* a whole call, or the begin of one in pieces */
     uint32_t kind, per;
 } target_calls[] = {
-    {"smr_model_open", target_open, TARGET_WHOLE, TARGET_GOAL_VERTEX},
+    {"smr_model_open_begin", target_open, TARGET_JOB, TARGET_GOAL_VERTEX},
     {"smr_model_mesh", target_mesh, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_surface_begin", target_build, TARGET_SURFACE, TARGET_GOAL_VERTEX},
     {"smr_surface_build", target_build_moved, TARGET_WHOLE, TARGET_GOAL_VERTEX},
     {"smr_surface_refit", target_refit, TARGET_SURFACE, TARGET_GOAL_VERTEX},
     {"smr_surface_closest", target_closest, TARGET_WHOLE, TARGET_ONE},
     {"smr_surface_distances", target_distances, TARGET_WHOLE, TARGET_VERTEX},
-    {"smr_init", target_start_one, TARGET_WHOLE, TARGET_VERTEX},
+    {"smr_init_begin", target_start_one, TARGET_JOB, TARGET_VERTEX},
     {"smr_set_surface", target_surface, TARGET_WHOLE, TARGET_GOAL_VERTEX},
     {"smr_set_fixed", target_fixed, TARGET_WHOLE, TARGET_VERTEX},
-    {"smr_set_pose", target_set_pose, TARGET_WHOLE, TARGET_VERTEX},
-    {"smr_set_positions", target_positions, TARGET_WHOLE, TARGET_VERTEX},
+    {"smr_set_pose_begin", target_set_pose, TARGET_JOB, TARGET_VERTEX},
+    {"smr_set_positions_begin", target_positions, TARGET_JOB, TARGET_VERTEX},
     {"smr_set_landmarks", target_marks, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_set_volume_ratio", target_ratio, TARGET_WHOLE, TARGET_ONE},
     {"smr_tick", NULL, TARGET_TICK, TARGET_VERTEX},
@@ -274,10 +275,11 @@ static const struct {
     {"smr_verdict_begin", target_verdict, TARGET_JOB, TARGET_VERTEX},
     {"smr_expected_begin", target_expected, TARGET_JOB, TARGET_VERTEX},
     {"smr_local_volume_begin", target_local, TARGET_JOB, TARGET_VERTEX},
-    {"smr_save", target_save, TARGET_WHOLE, TARGET_VERTEX},
-    {"smr_restore", target_restore, TARGET_WHOLE, TARGET_VERTEX},
+    {"smr_save_bytes", target_save_bytes, TARGET_WHOLE, TARGET_ONE},
+    {"smr_save_begin", target_save, TARGET_JOB, TARGET_VERTEX},
+    {"smr_restore_begin", target_restore, TARGET_JOB, TARGET_VERTEX},
     {"smr_set_goals", target_goals, TARGET_WHOLE, TARGET_VERTEX},
-    {"smr_set_scrub", target_scrub_on, TARGET_WHOLE, TARGET_VERTEX},
+    {"smr_set_scrub_begin", target_scrub_on, TARGET_JOB, TARGET_VERTEX},
     {"smr_scrub", NULL, TARGET_SCRUB, TARGET_VERTEX},
     {"smr_align_begin", target_align, TARGET_JOB, TARGET_VERTEX},
     {"smr_surface_contact_begin", target_contact, TARGET_JOB, TARGET_VERTEX},
@@ -295,7 +297,7 @@ static const struct {
     {"smr_frame_poses", target_frames, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_warp_fit, 24 pairs", target_warp_fit, TARGET_WHOLE, TARGET_ONE},
     {"smr_warp_apply", target_warp, TARGET_WHOLE, TARGET_GOAL_VERTEX},
-    {"smr_init, dynamics", target_moves, TARGET_WHOLE, TARGET_VERTEX},
+    {"smr_init_begin, dynamics", target_moves, TARGET_JOB, TARGET_VERTEX},
     {"smr_set_motion", target_motion, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_get_velocities", target_velocities, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_get_energy", target_energy, TARGET_WHOLE, TARGET_VERTEX},

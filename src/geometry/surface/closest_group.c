@@ -75,6 +75,10 @@ static void search_node(const smr_box_tree *f, const smr_tree_mask *mask, const 
 
 void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_query *q, uint32_t n, smr_hit *hit)
 {
+    if (n == 1u) {
+        smr_tree_closest_but(f, mask, &q[0], &hit[0], NULL);
+        return;
+    }
     smr_box box = {q[0].point, q[0].point};
     float bound = 0.0f;
     int forged = 0; /* 1: positions of a forged model, NaN or as far as empty boxes */

@@ -48,12 +48,17 @@ static uint64_t edge(uint32_t a, uint32_t b)
     return a == b ? 0u : a < b ? mixed : 0u - mixed;
 }
 
-int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles)
+uint64_t smr_mesh_edges(const uint32_t *triangle, uint32_t n_triangles)
 {
     uint64_t sum = 0;
     for (size_t k = 0; k < n_triangles; k++) {
         const uint32_t *t = triangle + 3u * k;
         sum += edge(t[0], t[1]) + edge(t[1], t[2]) + edge(t[2], t[0]);
     }
-    return n_triangles > 0u && sum == 0u;
+    return sum;
+}
+
+int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles)
+{
+    return n_triangles > 0u && smr_mesh_edges(triangle, n_triangles) == 0u;
 }

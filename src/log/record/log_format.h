@@ -73,10 +73,29 @@ smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint3
 /* Return checksums of the numbers of an input, not of their bytes in memory: equal on all processors, and never 0. */
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
-uint64_t smr_surface_checksum(const smr_surface *surface);
-uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh; of a cloud's points and capacity */
+uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
+uint64_t smr_target_checksum(
+    const smr_surface *surface); /* returns the checksum of a mesh, or of a cloud's points and capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
-/* Returns the checksum of the input `what` of this kind, see smr_log_note(); 0 when the input is taken away. */
+static inline uint64_t smr_surface_checksum(const smr_surface *surface) { return smr_target_checksum(surface); }
+/* A checksum in the making, for inputs that are summed in pieces. */
+typedef struct smr_input_part {
+    uint32_t kind;  /* what an item is */
+    const void *at; /* the items */
+    uint64_t n;     /* number of items */
+} smr_input_part;
+typedef struct smr_input_sum {
+    uint64_t sum, at;          /* checksum of the items so far; number of items of the current part that it contains */
+    uint32_t at_part, n_parts; /* current part; number of parts */
+    smr_input_part part[8];
+} smr_input_sum;
+smr_input_sum smr_sum_of_target(const smr_surface *surface);
+smr_input_sum smr_sum_of_goals(const smr_goals *goals, uint32_t n);
+smr_input_sum smr_sum_of_volume(const smr_volume *volume);
+/* Adds at most `most` items, four times as many voxels, or all (UINT32_MAX), of one part. Returns 1 at the end. */
+int smr_sum_add(smr_input_sum *s, uint32_t most);
+
+/* Returns the checksum of the input `what` of this kind, both as in smr_log_note(); 0 when the input is taken away. */
 uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);

@@ -47,18 +47,18 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
     c->reach_next = smr_slot_scratch(a, c->reach_next, n, sizeof(float));
 }
 
-void smr_contact_model(smr_contact *c)
+void smr_contact_model(smr_contact *c, uint32_t structure, const smr_bulk *rest)
 {
-    float mm3 = 0.0f, thick_mm;
-    for (uint32_t i = 0; c->closed != NULL && i < c->shared->n_structures; i++)
-        c->closed[i] = (uint8_t)(smr_rest_volume(c->shape, i, &mm3, &thick_mm) && mm3 > 0.0f);
+    if (c->closed != NULL)
+        c->closed[structure] = (uint8_t)(rest->closed && rest->mm3 > 0.0f);
 }
 
-void smr_contact_reset(smr_contact *c)
+void smr_contact_reset(smr_contact *c, uint32_t part, uint32_t parts)
 {
+    const smr_piece p = smr_part(c->shared->n, part, parts);
     if (c->touch == NULL)
         return;
-    for (uint32_t v = 0; v < c->shared->n; v++) {
+    for (uint32_t v = p.first; v < p.last; v++) {
         c->touch[SMR_TOUCHES * (size_t)v].body = SMR_NONE;
         smr_put3(c->push, v, smr_v(0, 0, 0));
         c->reach[v] = c->reach_next[v] = SMR_REACH_UNKNOWN;

@@ -54,8 +54,10 @@ typedef struct smr_contact {
 } smr_contact;
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
-void smr_contact_model(smr_contact *c);  /* sets `closed` of each structure */
-void smr_contact_reset(smr_contact *c);  /* discards contacts, pushes and distance bounds */
+/* stores whether a structure encloses a volume at rest */
+void smr_contact_model(smr_contact *c, uint32_t structure, const smr_bulk *rest);
+/* discards contacts, pushes and distance bounds of a part of the vertices */
+void smr_contact_reset(smr_contact *c, uint32_t part, uint32_t parts);
 void smr_contact_begin(smr_contact *c);  /* when an iteration begins: computes boxes and triangles_due */
 void smr_contact_commit(smr_contact *c); /* when forces are complete: stores reach_next in reach */
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets a fixed surface; NULL: none */
@@ -116,9 +118,12 @@ typedef struct smr_volumes {
 static inline int smr_volumes_used(const smr_volumes *v) { return SMR_HAS_CONTACT && v->kept != NULL; }
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);
-void smr_volumes_model(smr_volumes *v);        /* computes the rest shape's volumes; sets ratios to 1 */
-void smr_volumes_scale(smr_volumes *v);        /* sets rest_mm3 and thick_mm from the scale of the start */
-void smr_volumes_start(smr_volumes *v);        /* calls smr_volumes_scale(); sets `now` from present volumes */
+/* Store a structure's volume at rest, with ratio 1; set rest_mm3 and thick_mm from scale and side (1, or -1: mirrored)
+ * of the start; set `now` of a structure of smr_volume_asked() from its present volume. */
+void smr_volumes_model(smr_volumes *v, uint32_t structure, const smr_bulk *rest);
+void smr_volumes_scale(smr_volumes *v, float scale, float side);
+int smr_volume_asked(const smr_volumes *v, uint32_t structure);
+void smr_volumes_start(smr_volumes *v, uint32_t structure, float mm3);
 void smr_volumes_begin(smr_volumes *v);        /* when an iteration begins: sets ratio_at_begin to ratio */
 int smr_volumes_pending(const smr_volumes *v); /* returns 1 when a volume has not reached its ratio */
 void smr_volumes_commit(smr_volumes *v);       /* after an iteration: moves `now` a step towards the caller's ratios */
@@ -139,8 +144,8 @@ typedef struct smr_smooth {
 } smr_smooth;
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
-void smr_smooth_rest(smr_smooth *s);  /* computes `height` while the positions are those at rest */
-void smr_smooth_start(smr_smooth *s); /* sets `side` for a new start or restored positions */
+/* sets a chunk of `height` while the positions are those at rest, after all tasks of smr_smooth_sum */
+void smr_smooth_rest(smr_smooth *s, uint32_t task);
 
 /* Step: sums the positions of each vertex' mesh neighbours. Tasks run one after the other. */
 smr_count_tasks smr_smooth_tasks;

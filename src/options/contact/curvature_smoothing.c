@@ -42,17 +42,11 @@ static float height_of(const smr_smooth *s, uint32_t v)
     return smr_dot(smr_get3(s->shape->normal, v), smr_sub(middle, smr_get3(s->shape->x, v)));
 }
 
-void smr_smooth_rest(smr_smooth *s)
+void smr_smooth_rest(smr_smooth *s, uint32_t task)
 {
-    if (s->height == NULL)
-        return;
-    for (uint32_t task = 0; task < s->shared->n_tasks + smr_triangle_tasks(s->shared); task++)
-        smr_smooth_sum(s, task, 0);
-    for (uint32_t v = 0; v < s->shared->n; v++)
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s->shared, task); v++)
         s->height[v] = height_of(s, v);
 }
-
-void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_mirrored(s->shape) ? -1.0f : 1.0f; }
 
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement)
 {

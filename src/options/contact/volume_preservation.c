@@ -23,34 +23,33 @@ void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
     }
 }
 
-void smr_volumes_model(smr_volumes *v)
+void smr_volumes_model(smr_volumes *v, uint32_t structure, const smr_bulk *rest)
 {
-    for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++) {
-        smr_kept_volume *one = &v->kept[i];
-        one->ratio = one->ratio_at_begin = one->now = 1.0f;
-        one->closed = (uint32_t)smr_rest_volume(v->shape, i, &one->model_mm3, &one->model_thick_mm);
-    }
+    if (v->kept == NULL)
+        return;
+    smr_kept_volume *one = &v->kept[structure];
+    one->ratio = one->ratio_at_begin = one->now = 1.0f;
+    one->closed = rest->closed;
+    one->model_mm3 = rest->mm3;
+    one->model_thick_mm = rest->thick_mm;
 }
 
-void smr_volumes_scale(smr_volumes *v)
+void smr_volumes_scale(smr_volumes *v, float scale, float side)
 {
-    const float scale = v->kept != NULL ? smr_start_scale(v->shape) : 1.0f;
-    const float side = v->kept != NULL && smr_start_mirrored(v->shape) ? -1.0f : 1.0f;
     for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++) {
         v->kept[i].rest_mm3 = side * v->kept[i].model_mm3 * scale * scale * scale;
         v->kept[i].thick_mm = v->kept[i].model_thick_mm * scale;
     }
 }
 
-void smr_volumes_start(smr_volumes *v)
+int smr_volume_asked(const smr_volumes *v, uint32_t structure)
 {
-    smr_volumes_scale(v);
-    for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++) {
-        smr_kept_volume *one = &v->kept[i];
-        if (!one->closed || !(one->thick_mm > 0.0f))
-            continue;
-        one->now = smr_clamp(smr_enclosed_of(v->shape, i, v->shape->x) / one->rest_mm3, -SMR_NOW_MOST, SMR_NOW_MOST);
-    }
+    return v->kept != NULL && v->kept[structure].closed && v->kept[structure].thick_mm > 0.0f;
+}
+
+void smr_volumes_start(smr_volumes *v, uint32_t structure, float mm3)
+{
+    v->kept[structure].now = smr_clamp(mm3 / v->kept[structure].rest_mm3, -SMR_NOW_MOST, SMR_NOW_MOST);
 }
 
 void smr_volumes_begin(smr_volumes *v)

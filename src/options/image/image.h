@@ -57,10 +57,18 @@ typedef struct smr_image_goals {
 static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE && g->has_image; }
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
-void smr_image_goals_reset(smr_image_goals *g);                       /* discards contrast, brightness and `idle` */
+/* discards contrast and brightness of a part of the vertices, and `idle` */
+void smr_image_goals_reset(smr_image_goals *g, uint32_t part, uint32_t parts);
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* sets the target image; NULL: none */
 void smr_image_goals_see(smr_image_goals *g, const smr_grid *image);  /* stores the target image and its noise */
-void smr_image_goals_derive(smr_image_goals *g);                      /* sets each structure's noise, and n_invisible */
+/* Sums in the making over the profiles of structure k, of which `at` vertices are done, and over the structures. */
+typedef struct smr_image_summing {
+    uint32_t k, at;
+    float sum, count;   /* sum of the ranges of profiles, and number of ranges above 0 */
+    float noise, noisy; /* sum of the structures' noise, and number of structures with noise */
+} smr_image_summing;
+int smr_image_goals_sum(smr_image_goals *g,
+                        smr_image_summing *j);   /* sets noise and n_invisible; returns 1 at the end */
 void smr_image_goals_commit(smr_image_goals *g); /* when forces are complete: keeps contrast and brightness */
 
 /* Searches vertex v's goal in the image. Returns SMR_GOAL, and the displacement to it, mm; SMR_NO_GOAL: no goal

@@ -11,6 +11,7 @@
 #define SMR_LONG 16.0f       /* search distance, in samples, above which only every SMR_HOP-th profile sample is used */
 #define SMR_HOP 2u           /* distance, in samples, of the samples used in a long search */
 #define SMR_NOISE 0.1f       /* noise level / mean range of a structure's profiles */
+#define SMR_SUM_PIECE 1024u  /* vertices in a piece of sums over profiles */
 #define SMR_NOISY 1.0f       /* noise of the image / mean noise level of structures above which samples are averaged */
 #define SMR_NOISY_EDGE 2.0f  /* the same ratio, from which on the confidence of edges falls, down to a half */
 #define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */
@@ -33,9 +34,10 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
     }
 }
 
-void smr_image_goals_reset(smr_image_goals *g)
+void smr_image_goals_reset(smr_image_goals *g, uint32_t part, uint32_t parts)
 {
-    for (uint32_t v = 0; v < g->shared->n && g->shared->model->profile_samples != 0u; v++) {
+    const smr_piece p = smr_part(g->shared->n, part, parts);
+    for (uint32_t v = p.first; v < p.last && g->shared->model->profile_samples != 0u; v++) {
         g->contrast[v] = g->contrast_next[v] = 0;
         g->brighter[v] = g->brighter_next[v] = SMR_BRIGHTER_NONE;
     }
@@ -72,30 +74,28 @@ void smr_image_keep(smr_image_goals *g, uint32_t v)
     g->brighter_next[v] = g->brighter[v];
 }
 
-/* Returns the noise level of a structure, intensity: SMR_NOISE times the mean range of its profiles. */
-static float noise_of(const smr_model *m, const smr_shape_structure *one)
+int smr_image_goals_sum(smr_image_goals *g, smr_image_summing *j)
 {
+    const smr_model *m = g->shared->model;
+    const smr_shape_structure *one = &g->shape->structure[j->k];
     const uint32_t *ranges = smr_at(m, m->at_ranges);
-    float sum = 0.0f, count = 0.0f;
-    for (uint32_t i = 0; i < one->n_vertices; i++) {
-        const size_t v = smr_model_position(m, one->first_vertex + i);
+    g->n_invisible = j->k == 0u && j->at == 0u ? 0u : g->n_invisible;
+    for (uint32_t end = smr_min_u32(j->at + SMR_SUM_PIECE, one->n_vertices); j->at < end; j->at++) {
+        const size_t v = smr_model_position(m, one->first_vertex + j->at);
         const float range = smr_le_float(ranges[2u * v + 1u]);
-        sum += range;
-        count += range > 0.0f ? 1.0f : 0.0f;
+        j->sum += range;
+        j->count += range > 0.0f ? 1.0f : 0.0f;
+        g->n_invisible += g->brighter[v] == SMR_BRIGHTER_HIDDEN;
     }
-    return count > 0.0f ? SMR_NOISE * (sum / count) : 0.0f;
-}
-
-void smr_image_goals_derive(smr_image_goals *g)
-{
-    float sum = 0.0f, count = 0.0f; /* of structures with profiles */
-    for (uint32_t k = 0; k < g->shared->n_structures; k++) {
-        g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
-        sum += g->structure[k].noise;
-        count += g->structure[k].noise > 0.0f ? 1.0f : 0.0f;
-    }
-    g->noise_level = sum / smr_max(count, 1.0f);
-    count_invisible(g);
+    if (j->at < one->n_vertices)
+        return 0;
+    const float noise = g->structure[j->k].noise = j->count > 0.0f ? SMR_NOISE * (j->sum / j->count) : 0.0f;
+    j->noise += noise;
+    j->noisy += noise > 0.0f ? 1.0f : 0.0f;
+    j->sum = j->count = 0.0f;
+    j->at = 0;
+    g->noise_level = j->noise / smr_max(j->noisy, 1.0f);
+    return ++j->k == g->shared->n_structures;
 }
 
 void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)
@@ -110,7 +110,9 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
     if (image == NULL)
         return;
     smr_image_goals_see(g, image);
-    smr_image_goals_derive(g);
+    smr_image_summing sums = {.k = 0};
+    while (!smr_image_goals_sum(g, &sums))
+        ;
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
         g->structure[k].gain = 1.0f; /* equal contrast until goals are found */
         g->structure[k].brighter = 0.0f;

@@ -56,10 +56,11 @@ void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_sh
     }
 }
 
-void smr_landmark_goals_reset(smr_landmark_goals *g)
+void smr_landmark_goals_reset(smr_landmark_goals *g, uint32_t part, uint32_t parts)
 {
+    const smr_piece p = smr_part(g->shared->n, part, parts);
     if (g->visibility != NULL)
-        memset(g->visibility, 0, g->shared->n);
+        memset(g->visibility + p.first, 0, p.last - p.first);
     for (uint32_t k = 0; k < g->n; k++)
         g->landmark[k].more = smr_v(0, 0, 0);
 }

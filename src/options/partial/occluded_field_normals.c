@@ -63,26 +63,19 @@ SMR_SHARED smr_vec smr_field_posed(const smr_occluded_field *f, smr_vec at) { re
 /* Returns the array [n_motions] of displacements along the normal of control k by each unit motion. */
 static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)f->n_motions * k; }
 
-/* Returns twice the sum of a structure's area vectors at rest, mm^2. Adds twice the structure's area to *area. */
-static smr_vec open_part(const smr_shared *shared, const smr_shape_structure *one, float *area)
+void smr_occluded_field_add(const smr_shared *shared, uint32_t first, uint32_t last, smr_vec *sum, float *areas)
 {
-    const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
-    smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t k = first; k < last; k++) {
         const uint32_t *t = smr_model_triangle(shared, k);
         const smr_vec two = smr_triangle_cross(smr_rest(shared, t[0]), smr_rest(shared, t[1]), smr_rest(shared, t[2]));
-        sum = smr_add(sum, two);
-        *area += smr_length(two);
+        *sum = smr_add(*sum, two);
+        *areas += smr_length(two);
     }
-    return sum;
 }
 
-void smr_occluded_field_model(smr_occluded_field *f)
+void smr_occluded_field_model(smr_occluded_field *f, float open, float areas)
 {
-    float open = 0.0f, area = 0.0f;
-    for (uint32_t i = 0; i < f->shared->n_structures; i++)
-        open += smr_length(open_part(f->shared, &f->shape->structure[i], &area));
-    f->sheet = open > SMR_FIELD_SHEET * area;
+    f->sheet = open > SMR_FIELD_SHEET * areas;
 }
 
 SMR_SHARED static float dot(const smr_occluded_field *f, const float *a, const float *b, uint32_t n)

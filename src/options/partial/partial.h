@@ -92,7 +92,8 @@ static inline int smr_landmarks_on(const smr_landmark_goals *g) { return SMR_HAS
 
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared);
 void smr_landmark_goals_commit(smr_landmark_goals *g); /* after forces: sets `more` of hard landmarks */
-void smr_landmark_goals_reset(smr_landmark_goals *g);  /* sets `more` and `visibility` to 0 */
+/* sets `more` and a part of `visibility` to 0 */
+void smr_landmark_goals_reset(smr_landmark_goals *g, uint32_t part, uint32_t parts);
 
 /* Returns the foot of landmark k, mm, with the model's vertices at xyz[n][3]. */
 smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz);
@@ -181,8 +182,11 @@ void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control,
 float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel);
 /* Returns a start position in the pose that fits the controls, mm. */
 smr_vec smr_field_posed(const smr_occluded_field *f, smr_vec at);
-void smr_field_normals_end(smr_occluded_field *f);    /* computes coefficients; applies the motions to the pose */
-void smr_occluded_field_model(smr_occluded_field *f); /* sets `sheet` from the rest shape */
+void smr_field_normals_end(smr_occluded_field *f); /* computes coefficients; applies the motions to the pose */
+/* Adds twice the area vectors and areas at rest of triangles first .. last - 1 to the sums. */
+void smr_occluded_field_add(const smr_shared *shared, uint32_t first, uint32_t last, smr_vec *sum, float *areas);
+/* Sets `sheet` from the sums over all triangles: lengths of the structures' area vectors, and areas. */
+void smr_occluded_field_model(smr_occluded_field *f, float open, float areas);
 
 /* ---- occluded_field_covariance.c ---- */
 

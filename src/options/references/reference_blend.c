@@ -29,7 +29,7 @@ smr_vec smr_reference_blend(const smr_shape *shape, uint32_t v, uint32_t first, 
     return smr_pose_turn(&r->pose, sum);
 }
 
-void smr_references_start(smr_shape *shape, int posed)
+void smr_references_start(smr_shape *shape, int posed, uint32_t first, uint32_t last)
 {
     static const float back = -1.0f; /* from the model's own shape to the mean shape */
     smr_references *const r = shape->references;
@@ -38,6 +38,6 @@ void smr_references_start(smr_shape *shape, int posed)
     if (!posed)
         return;
     r->pose = shape->rest_pose;
-    for (uint32_t v = 0; v < shape->shared->n; v++)
+    for (uint32_t v = first; v < last; v++)
         smr_put3(shape->start, v, smr_add(smr_get3(shape->start, v), smr_reference_blend(shape, v, 0, 1, &back)));
 }

@@ -23,8 +23,8 @@ typedef struct smr_references {
 static inline int smr_blends(const smr_shape *shape) { return SMR_HAS_REFERENCES && shape->references != NULL; }
 
 void smr_references_layout(smr_arena *a, smr_references **references, const smr_shared *shared);
-/* With a start pose (posed 1): moves the start positions from the model's own shape to the mean of all shapes. */
-void smr_references_start(smr_shape *shape, int posed);
+/* With a start pose (posed 1): moves starts first .. last - 1 from the model's own shape to the mean of all shapes. */
+void smr_references_start(smr_shape *shape, int posed, uint32_t first, uint32_t last);
 /* Returns the displacement, mm, of start vertex v by weight[0 .. n - 1] times the differences of shapes first, .... */
 smr_vec smr_reference_blend(const smr_shape *shape, uint32_t v, uint32_t first, uint32_t n, const float *weight);
 

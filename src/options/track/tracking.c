@@ -169,7 +169,7 @@ void smr_tracking_begin(smr *s)
     note_age(s);
     if (s->schedule.changed >= SMR_CHANGED_MOVED) {
         if (SMR_HAS_CONTACT && s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
-            smr_contact_reset(&s->forces.contact);
+            smr_contact_reset(&s->forces.contact, 0, 1);
         smr_certainties_clear(&s->forces.surface); /* forgets certain closest triangles: the prediction moves x */
         smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);
     }

@@ -101,7 +101,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
 
 uint64_t smr_state_hash(const smr *s)
 {
-    if (smr_sound(s) != SMR_OK)
+    if (smr_sound(s) != SMR_OK || s->ticking == SMR_STARTING)
         return 0;
     return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(s->shape.x_ref, s->shared.n);
 }

@@ -5,7 +5,7 @@
 #include "geometry/rotation/rotation.h"
 #include "options/references/references.h"
 #include "registration/config/config.h"
-#include "registration/api/setup.h"
+#include "registration/api/start.h"
 
 /* Returns the parts of an iteration, SMR_PART_..., that model and configuration need. */
 static uint32_t parts_of(const smr_shared *shared)
@@ -138,18 +138,52 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-static void start_triangles(smr *s)
+/* ---- smr_init() as a job ---- */
+
+#define SMR_ZERO_PIECE 16384u /* bytes of the arena that a task sets to 0 */
+
+static smr *begun(const void *job) { return ((const smr_starting *)job)->job.s; }
+static uint32_t zero_tasks(const void *job)
 {
-    const uint32_t *stored = smr_at(s->shared.model, s->shared.model->at_triangles);
-    s->shared.triangle = SMR_BIG_ENDIAN ? s->shape.own_triangle : stored;
-    for (size_t i = 0; SMR_BIG_ENDIAN && i < 3u * (size_t)s->shared.n_triangles; i++)
-        s->shape.own_triangle[i] = smr_le32(stored[i]);
+    return (uint32_t)((((const smr_initing *)job)->needed - 1u) / SMR_ZERO_PIECE) + 1u;
 }
 
-static void start_masses(smr_shared *c)
+static void zero_arena(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    c->mass_unit = 1.0f;
-    for (uint32_t v = 0; v < c->n; v++) {
+    const smr_initing *j = job;
+    const size_t at = (size_t)task * SMR_ZERO_PIECE, left = j->needed - at;
+    memset((char *)j->arena + at, 0, left < SMR_ZERO_PIECE ? left : SMR_ZERO_PIECE);
+}
+
+/* Places the stages' arrays. The registration is not valid yet. */
+static void place(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_initing *j = job;
+    smr s;
+    smr_arena a;
+    smr_count(&s, j->model, &j->config);
+    (void)smr_arena_start(&a, j->arena, j->needed);
+    smr *self = smr_layout(&a, &s);
+    s.placed = self;
+    s.arena_bytes = j->needed;
+    s.port = j->own;
+    s.shared.min_cos = smr_cos_degrees(j->config.forces.normal_deg);
+    s.shared.mass_unit = 1.0f;
+    s.shared.triangle = SMR_BIG_ENDIAN ? s.shape.own_triangle : smr_at(j->model, j->model->at_triangles);
+    smr_budget_start(&s);
+    *self = s;
+    wire(self);
+    smr_shape_start(&self->shape);
+    if (SMR_HAS_HELD)
+        smr_track_rest_wire(&self->shape);
+    j->start.job.s = self;
+}
+
+static void find_masses(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_shared *c = &begun(job)->shared;
+    const smr_piece p = smr_piece_of(task, SMR_START_PIECE, c->n);
+    for (uint32_t v = p.first; v < p.last; v++) {
         const float m = smr_mass(c, v);
         c->mass_max = smr_max(c->mass_max, m);
         if (m != (float)(uint32_t)m)
@@ -157,51 +191,174 @@ static void start_masses(smr_shared *c)
     }
 }
 
-smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
-                    size_t arena_bytes, smr **out)
+static uint32_t triangle_tasks(const void *job)
 {
-    static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    smr s;
-    smr_arena a;
-    size_t needed;
-    if (out == NULL)
-        return SMR_E_NULL;
-    SMR_TRY(smr_arena_bytes(model, config, &needed));
-    SMR_TRY(smr_arena_start(&a, arena, arena_bytes));
-    if (port != NULL && (port->n_workers < 1u || port->n_workers > config->basic.n_workers))
-        return SMR_E_CONFIG;
-    if (needed > arena_bytes)
-        return SMR_E_ARENA;
-    smr_count(&s, model, config);
-    smr_arena_release(arena, arena_bytes);
-    memset(arena, 0, needed);
-    smr *self = smr_layout(&a, &s);
-    s.magic = SMR_STATE_MAGIC;
-    s.placed = self;
-    s.arena_bytes = needed;
-    if (port != NULL)
-        s.port = (smr_port){port->ctx, port->n_workers, port->parallel, port->now_ns};
-    s.shared.min_cos = smr_cos_degrees(config->forces.normal_deg);
-    start_triangles(&s);
-    start_masses(&s.shared);
-    smr_budget_start(&s);
-    *self = s;
-    wire(self);
-    smr_shape_start(&self->shape);
-    if (SMR_HAS_HELD)
-        smr_track_rest_wire(&self->shape);
-    if (SMR_HAS_CONTACT) {
-        smr_volumes_model(&self->volumes);
-        smr_contact_model(&self->forces.contact);
+    return smr_ceil_div(begun(job)->shared.n_triangles, SMR_TRIANGLE_CHUNK);
+}
+
+/* Copies triangles into host order where that differs, and marks their corners. */
+static void mark_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr *s = begun(job);
+    const smr_piece p = smr_piece_of(task, SMR_TRIANGLE_CHUNK, s->shared.n_triangles);
+    const uint32_t *stored = smr_at(s->shared.model, s->shared.model->at_triangles);
+    for (size_t i = 3u * (size_t)p.first; SMR_BIG_ENDIAN && i < 3u * (size_t)p.last; i++)
+        s->shape.own_triangle[i] = smr_le32(stored[i]);
+    smr_shape_mark(&s->shape, p.first, p.last);
+}
+
+static uint32_t bulk_tasks(const void *job)
+{
+    return SMR_HAS_CONTACT && (begun(job)->volumes.kept != NULL || begun(job)->forces.contact.closed != NULL);
+}
+
+/* Measures the structures' volumes at rest, a piece of one at a time. */
+static void find_bulk(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_starting *j = job;
+    smr *s = j->job.s;
+    if (smr_bulk_add(&j->bulk, &s->shape, j->k, NULL)) {
+        if (SMR_HAS_CONTACT) {
+            smr_volumes_model(&s->volumes, j->k, &j->bulk);
+            smr_contact_model(&s->forces.contact, j->k, &j->bulk);
+        }
+        j->bulk = (smr_bulk){.at = 0};
+        j->k++;
+    }
+    if (j->k < s->shared.n_structures)
+        smr_job_again(&j->job.head);
+}
+
+/* Adds triangles to the sums of areas by which the model is a sheet or not. Triangles of a structure lie in a row. */
+static void find_areas(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_starting *j = job;
+    smr *s = j->job.s;
+    const smr_piece p = smr_piece_of(task, SMR_TRIANGLE_CHUNK, s->shared.n_triangles);
+    for (uint32_t k = p.first, end; SMR_HAS_PARTIAL && k < p.last; k = end) {
+        const uint32_t owner = smr_model_owner(s->shared.model, smr_model_triangle(&s->shared, k)[0]);
+        const smr_shape_structure *one = &s->shape.structure[owner];
+        const uint32_t behind = one->first_triangle + one->tree.n_triangles;
+        end = behind > k ? smr_min_u32(p.last, behind) : p.last;
+        smr_occluded_field_add(&s->shared, k, end, &j->area, &j->areas);
+        if (end != behind)
+            continue;
+        j->open += smr_length(j->area);
+        j->area = smr_v(0, 0, 0);
     }
     if (SMR_HAS_PARTIAL)
-        smr_occluded_field_model(&self->forces.occluded);
-    if (smr_set_pose(self, &identity) != SMR_OK)
-        return SMR_E_CONFIG;
+        smr_occluded_field_model(&s->forces.occluded, j->open, j->areas);
+}
+
+static uint32_t smooth_tasks(const void *job)
+{
+    const smr *s = begun(job);
+    return SMR_HAS_CONTACT && s->forces.smooth.height != NULL ? s->shared.n_tasks + smr_triangle_tasks(&s->shared) : 0u;
+}
+
+static void sum_rings(void *job, uint32_t task, uint32_t worker)
+{
     if (SMR_HAS_CONTACT)
-        smr_smooth_rest(&self->forces.smooth);
-    self->log.fresh = 1;
-    smr_guard_close(self);
-    *out = self;
+        smr_smooth_sum(&begun(job)->forces.smooth, task, worker);
+}
+
+static uint32_t height_tasks(const void *job) { return smooth_tasks(job) > 0u ? begun(job)->shared.n_tasks : 0u; }
+
+static void find_heights(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    if (SMR_HAS_CONTACT)
+        smr_smooth_rest(&begun(job)->forces.smooth, task);
+}
+
+static void finish(void *job, SMR_UNUSED uint32_t task, uint32_t worker)
+{
+    smr_initing *j = job;
+    smr *s = j->start.job.s;
+    s->log.fresh = 1;
+    s->log.changes = 1;
+    s->magic = SMR_STATE_MAGIC;
+    if (j->then != NULL) {
+        j->then(j, 0, worker);
+        return;
+    }
+    smr_guard_close(s);
+    *j->out = s;
+}
+
+static const smr_stage stages_behind[] = {
+    {smooth_tasks, sum_rings, smr_in_order, NULL},
+    {height_tasks, find_heights, smr_in_order, NULL},
+    {NULL, finish, NULL, NULL},
+};
+
+static void go_behind(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_job_go(job, stages_behind, sizeof stages_behind / sizeof stages_behind[0]);
+}
+
+/* Sets the start positions: the rest shape. */
+static void go_start(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr_starting *j = job;
+    j->pose = identity;
+    j->then = go_behind;
+    j->wrong = SMR_E_CONFIG;
+    smr_start_go(j);
+}
+
+static const smr_stage stages_before[] = {
+    {zero_tasks, zero_arena, smr_in_order, NULL},
+    {NULL, place, NULL, NULL},
+    {smr_start_vertices, find_masses, smr_in_order, NULL},
+    {triangle_tasks, mark_triangles, smr_in_order, NULL},
+    {bulk_tasks, find_bulk, NULL, NULL}, /* comes back for each piece */
+    {triangle_tasks, find_areas, smr_in_order, NULL},
+    {NULL, go_start, NULL, NULL},
+};
+
+void smr_init_go(smr_initing *j)
+{
+    smr_job_go(&j->start.job.head, stages_before, sizeof stages_before / sizeof stages_before[0]);
+}
+
+smr_status smr_init_check(smr_initing *j, const smr_model *model, const smr_config *config, const smr_port *port,
+                          void *arena, size_t bytes, smr **out)
+{
+    smr_arena a;
+    if (out == NULL || j == NULL)
+        return SMR_E_NULL;
+    size_t needed;
+    SMR_TRY(smr_arena_bytes(model, config, &needed));
+    SMR_TRY(smr_arena_start(&a, arena, bytes));
+    if (port != NULL && (port->n_workers < 1u || port->n_workers > config->basic.n_workers))
+        return SMR_E_CONFIG;
+    if (needed > bytes)
+        return SMR_E_ARENA;
+    smr_arena_release(arena, bytes);
+    memset(j, 0, sizeof *j);
+    j->model = model;
+    j->config = *config;
+    j->arena = arena;
+    j->needed = needed;
+    j->out = out;
+    if (port != NULL)
+        j->own = (smr_port){port->ctx, port->n_workers, port->parallel, port->now_ns};
+    j->start.job.head = smr_job_begin(stages_before, sizeof stages_before / sizeof stages_before[0], port);
     return SMR_OK;
+}
+
+smr_status smr_init_begin(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                          size_t bytes, smr **s, smr_job *job)
+{
+    return smr_init_check((smr_initing *)(void *)job, model, config, port, arena, bytes, s);
+}
+
+smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena, size_t bytes,
+                    smr **s)
+{
+    static const smr_port alone = {NULL, 1, NULL, NULL};
+    smr_job job;
+    SMR_TRY(smr_init_begin(model, config, port, arena, bytes, s, &job));
+    return smr_job_step(&job, 0, &alone, 0);
 }

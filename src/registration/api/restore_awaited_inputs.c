@@ -32,18 +32,45 @@ static void split(uint64_t sum, uint32_t half[2])
 
 static int is(const awaited *w, uint64_t sum) { return ((uint64_t)w->checksum[1] << 32 | w->checksum[0]) == sum; }
 
-/* Returns the list's entry for the present surface of structure i. */
-static awaited present(const smr *s, uint32_t i)
+/* Begins the checksum of the present input of entry `at`. Returns 0 without one, and for a surface that an earlier
+ * structure has, which *like names. */
+static int begin_sum(const smr *s, uint32_t at, uint32_t *like, smr_input_sum *sum)
 {
+    const uint32_t n = s->shared.n_structures;
     const smr_target *target = s->forces.surface.target;
-    awaited w = {SMR_NONE, {0, 0}};
-    if (target[i].surface == NULL)
-        return w;
-    for (w.like = 0; target[w.like].surface != target[i].surface;)
-        w.like++;
-    if (w.like == i)
-        split(smr_target_checksum(target[i].surface), w.checksum);
-    return w;
+    const smr_goals *goals = s->forces.caller.goals;
+    const smr_fixed_surface *fixed = s->forces.contact.fixed;
+    *like = SMR_NONE;
+    if (at < n && target[at].surface != NULL)
+        for (*like = 0; target[*like].surface != target[at].surface;)
+            ++*like;
+    if (at < n    ? *like != at
+        : at == n ? !s->forces.image.has_image
+                  : at <= 2u * n && (goals == NULL || goals[at - n - 1u].xyz == NULL))
+        return 0;
+    if (at > 2u * n && (at == 2u * n + 1u || fixed == NULL || fixed[at - 2u * n - 2u].surface == NULL))
+        return 0;
+    *sum = at < n         ? smr_sum_of_target(target[at].surface)
+           : at == n      ? smr_sum_of_volume(&s->forces.image.grid.volume)
+           : at <= 2u * n ? smr_sum_of_goals(&goals[at - n - 1u], s->shape.structure[at - n - 1u].n_vertices)
+                          : smr_sum_of_target(fixed[at - 2u * n - 2u].surface);
+    return 1;
+}
+
+int smr_sum_inputs(const smr *s, smr_summing *j, uint32_t most)
+{
+    const uint32_t force = 2u * s->shared.n_structures + 1u;
+    awaited *w = &list_of(s)[j->at];
+    if (!j->begun) {
+        *w = (awaited){SMR_NONE, {(uint32_t)(j->at == force && s->forces.caller.force != NULL), 0}};
+        j->begun = (uint32_t)begin_sum(s, j->at, &w->like, &j->sum);
+    }
+    if (j->begun && !smr_sum_add(&j->sum, most))
+        return 0;
+    if (j->begun)
+        split(j->sum.sum, w->checksum);
+    j->begun = 0;
+    return ++j->at > force + s->shared.config.contact.n_fixed;
 }
 
 /* Returns 1 when the saved entry of structure i agrees with the entries before. first: offset of the list. */
@@ -58,10 +85,9 @@ static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint3
 }
 
 /* Saves the checksum of entry `at` of the list; 0: the input is not set. */
-static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
+static void keep_sum(smr_arena *a, smr *s, uint32_t at)
 {
-    awaited w = {SMR_NONE, {0, 0}};
-    split(sum, w.checksum);
+    awaited w = a->keeper->mode == SMR_KEEP_SAVE ? list_of(s)[at] : (awaited){SMR_NONE, {0, 0}};
     smr_keep_words(a, w.checksum, 2, UINT32_MAX);
     if (a->keeper->mode == SMR_KEEP_RESTORE)
         list_of(s)[at] = w;
@@ -71,15 +97,11 @@ static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
 /* Saves checksums of the caller's goals and force, where the configuration has room for them. */
 static void keep_caller(smr_arena *a, smr *s)
 {
-    const smr_caller_goals *g = &s->forces.caller;
     const uint32_t n = s->shared.n_structures;
-    const int save = a->keeper->mode == SMR_KEEP_SAVE;
     for (uint32_t i = 0; s->shared.config.caller.goals != 0u && i < n; i++)
-        keep_sum(a, s, n + 1u + i,
-                 save && g->goals[i].xyz != NULL ? smr_goals_checksum(&g->goals[i], s->shape.structure[i].n_vertices)
-                                                 : 0u);
+        keep_sum(a, s, n + 1u + i);
     if (s->shared.config.caller.force != SMR_CALLER_OFF)
-        keep_sum(a, s, 2u * n + 1u, save && g->force != NULL);
+        keep_sum(a, s, 2u * n + 1u);
 }
 
 void smr_keep_inputs(smr_arena *a, smr *s)
@@ -88,7 +110,7 @@ void smr_keep_inputs(smr_arena *a, smr *s)
     const size_t first = k->at;
     s->n_awaited = (uint32_t)smr_awaits_log(&s->log);
     for (uint32_t i = 0; i < s->shared.n_structures && !k->wrong; i++) {
-        awaited w = k->mode == SMR_KEEP_SAVE ? present(s, i) : (awaited){SMR_NONE, {0, 0}};
+        awaited w = k->mode == SMR_KEEP_SAVE ? list_of(s)[i] : (awaited){SMR_NONE, {0, 0}};
         smr_keep_words(a, &w.like, SMR_AWAITED_WORDS, UINT32_MAX);
         smr_keep_require(a, k->mode != SMR_KEEP_CHECK || k->wrong || consistent(k, first, &w, i));
         if (k->mode == SMR_KEEP_RESTORE)
@@ -97,15 +119,11 @@ void smr_keep_inputs(smr_arena *a, smr *s)
     }
     const int has_image = s->forces.image.has_image != 0u;
     const uint32_t n = s->n_awaited;
-    keep_sum(a, s, s->shared.n_structures,
-             k->mode == SMR_KEEP_SAVE && has_image ? smr_volume_checksum(&s->forces.image.grid.volume) : 0u);
+    keep_sum(a, s, s->shared.n_structures);
     smr_keep_require(a, (s->n_awaited > n) == has_image);
     keep_caller(a, s);
-    const smr_fixed_surface *fixed = s->forces.contact.fixed;
-    for (uint32_t i = 0; i < s->shared.config.contact.n_fixed; i++) {
-        const int set = k->mode == SMR_KEEP_SAVE && fixed[i].surface != NULL;
-        keep_sum(a, s, 2u * s->shared.n_structures + 2u + i, set ? smr_surface_checksum(fixed[i].surface) : 0u);
-    }
+    for (uint32_t i = 0; i < s->shared.config.contact.n_fixed; i++)
+        keep_sum(a, s, 2u * s->shared.n_structures + 2u + i);
 }
 
 /* Returns 1 when structure i awaits this surface. Structures that shared a surface must share it again. */

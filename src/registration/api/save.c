@@ -4,6 +4,7 @@
  * Bounds: one pass over all slots, and one over each input.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
+#include "registration/measure_job.h"
 #include "registration/schedule_radius.h"
 
 /* Saves the state of the log, without the log's memory. */
@@ -89,48 +90,137 @@ void smr_go_over(smr *s, smr_keeper *k)
     (void)smr_layout(&a, s);
 }
 
-/* Counts, checks or writes all slots and fields of a copy of s that shares the arrays of s; does not change s. */
-static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes)
+/* ---- smr_save() as a job ---- */
+
+#define SMR_CRC_PIECE 4096u /* bytes in a task that checks sums */
+
+typedef struct saving {
+    smr_measuring job;
+    unsigned char *to;
+    size_t needed, at;   /* bytes of the save; bytes done in the present stage */
+    uint32_t plan;       /* checksum of the list of values */
+    uint32_t crc, whole; /* CRC-32 of the bytes done; 1: all values at once */
+    smr_summing inputs;
+} saving;
+
+_Static_assert(sizeof(saving) <= SMR_JOB_BYTES, "a save in progress lies in the caller's job");
+
+/* Counts or writes a copy of s that shares the arrays of s; does not change s. Writes bytes first .. last - 1. */
+static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes, size_t first, size_t last)
 {
     smr copy = *s;
     const size_t values_at = SMR_SAVED_FIXED + 4u * smr_log_config_words(&s->shared.config);
-    smr_keeper k = {.mode = mode, .to = to, .at = values_at, .bytes = bytes};
+    smr_keeper k = {.mode = mode, .to = to, .at = values_at, .bytes = bytes, .first = first, .last = last};
     smr_go_over(&copy, &k);
     return k;
+}
+
+static void sum_inputs(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    saving *j = job;
+    if (!smr_sum_inputs(j->job.s, &j->inputs, SMR_TRIANGLE_CHUNK))
+        smr_job_again(&j->job.head);
+}
+
+static void write_header(const smr *s, unsigned char *to, uint32_t needed, uint32_t plan)
+{
+    const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
+    const uint32_t header[SMR_SAVED_FIXED / 4u] = {SMR_SAVED_MAGIC,
+                                                   SMR_SAVED_VERSION,
+                                                   needed,
+                                                   version,
+                                                   smr_le32(s->shared.model->checksum),
+                                                   s->shared.n,
+                                                   plan,
+                                                   smr_log_config_words(&s->shared.config)};
+    for (size_t i = 0; i < SMR_SAVED_FIXED / 4u; i++)
+        smr_log_put32(to + 4u * i, header[i]);
+    smr_log_put_config(to + SMR_SAVED_FIXED, &s->shared.config);
+}
+
+/* Writes the fields of structs and a piece of the slots. */
+static void write_values(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    saving *j = job;
+    const size_t all = j->needed - 4u, last = smr_keep_end(j->at, all, j->whole);
+    const smr_keeper k = go_over(j->job.s, SMR_KEEP_SAVE, j->to, all, j->at, last);
+    j->plan = j->at == 0u ? k.plan : j->plan;
+    j->at = last;
+    if (k.wrong)
+        j->job.head.status = SMR_E_STATE;
+    if (last < all) {
+        smr_job_again(&j->job.head);
+        return;
+    }
+    write_header(j->job.s, j->to, (uint32_t)j->needed, j->plan);
+    j->at = 0;
+}
+
+static void sum_bytes(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    saving *j = job;
+    const size_t left = j->needed - 4u - j->at, n = left < SMR_CRC_PIECE ? left : SMR_CRC_PIECE;
+    j->crc = smr_crc32(j->crc, j->to + j->at, n);
+    j->at += n;
+    if (n < left)
+        smr_job_again(&j->job.head);
+    else
+        smr_log_put32(j->to + j->at, j->crc);
+}
+
+static const smr_stage stages[] = {
+    /* each comes back for each piece */
+    {NULL, sum_inputs, NULL, NULL},
+    {NULL, write_values, NULL, NULL},
+    {NULL, sum_bytes, NULL, NULL},
+};
+
+static int unchanged(void *job, int enter)
+{
+    saving *j = job;
+    const smr_status status = enter ? smr_inputs_valid(&j->job.s->forces) : SMR_OK;
+    if (status != SMR_OK)
+        j->job.head.status = status;
+    return status == SMR_OK && smr_measure_guard(&j->job, enter);
 }
 
 smr_status smr_save_bytes(const smr *s, size_t *bytes)
 {
     SMR_TRY(smr_readable(s, 0, bytes));
-    *bytes = go_over(s, SMR_KEEP_COUNT, NULL, 0).at + 4u;
+    *bytes = go_over(s, SMR_KEEP_COUNT, NULL, 0, 0, 0).at + 4u;
     return SMR_OK;
 }
 
-smr_status smr_save(const smr *s, void *memory, size_t bytes)
+smr_status smr_save_begin(smr *s, void *memory, size_t bytes, smr_job *job)
 {
-    unsigned char *to = memory;
+    saving *const j = (saving *)(void *)job;
     size_t needed = 0;
-    if (memory == NULL)
+    if (memory == NULL || job == NULL)
         return SMR_E_NULL;
     SMR_TRY(smr_save_bytes(s, &needed));
     SMR_TRY(smr_sound(s));
-    if (!smr_ready(s) || s->refused || s->forces.caller.broken || s->step != 0u || s->next_task != 0u ||
-        !smr_can_wait(&s->shared))
+    if (!smr_measurable(s) || s->refused || s->forces.caller.broken || !smr_can_wait(&s->shared))
         return SMR_E_STATE; /* saves only between iterations, when all inputs can still be read */
     SMR_TRY(smr_inputs_valid(&s->forces));
     if (bytes < needed || needed > UINT32_MAX)
         return SMR_E_ARENA;
-    const smr_keeper k = go_over(s, SMR_KEEP_SAVE, to, needed - 4u);
-    if (k.wrong)
-        return SMR_E_STATE;
-    const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
-    const uint32_t model = smr_le32(s->shared.model->checksum);
-    const uint32_t header[SMR_SAVED_FIXED / 4u] = {
-        SMR_SAVED_MAGIC, SMR_SAVED_VERSION, (uint32_t)needed, version,
-        model,           s->shared.n,       k.plan,           smr_log_config_words(&s->shared.config)};
-    for (size_t i = 0; i < SMR_SAVED_FIXED / 4u; i++)
-        smr_log_put32(to + 4u * i, header[i]);
-    smr_log_put_config(to + SMR_SAVED_FIXED, &s->shared.config);
-    smr_log_put32(to + needed - 4u, smr_crc32(0, to, needed - 4u));
+    memset(j, 0, sizeof *j);
+    j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
+    j->job.head.guard = unchanged;
+    j->to = memory;
+    j->needed = needed;
     return SMR_OK;
+}
+
+static void save_whole(smr_job *job) { ((saving *)(void *)job)->whole = 1; }
+
+smr_status smr_save(const smr *s, void *memory, size_t bytes)
+{
+    static const smr_port alone = {NULL, 1, NULL, NULL};
+    smr_job job;
+    if (s == NULL || memory == NULL)
+        return SMR_E_NULL;
+    SMR_TRY(smr_valid(s) ? smr_save_begin(s->placed, memory, bytes, &job) : SMR_E_STATE);
+    save_whole(&job);
+    return smr_job_step(&job, 0, &alone, 0);
 }

@@ -3,6 +3,7 @@
  * pass over the arena when a call begins, and one when it ends.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
+#include "registration/measure_job.h"
 
 #define SMR_SLICE 4096u      /* bytes between two readings of the clock */
 #define SMR_SLICE_VERTEX 64u /* bytes for each vertex of the model that a tick checks */
@@ -184,28 +185,116 @@ static uint32_t seal(const smr *s)
 
 static const smr_scrub_calls scrub_calls = {slice, learn, seal};
 
-smr_status smr_set_scrub(smr *s, uint32_t what)
+/* ---- smr_set_scrub() as a job ---- */
+
+typedef struct starting {
+    smr_measuring job;
+    uint32_t what, damaged; /* argument; as in smr_scrubbing */
+    uint32_t input, k;      /* input that is summed now; structure whose target has a sum already */
+    uint32_t sum;           /* checksum of the bytes so far */
+    size_t at;              /* bytes done */
+} starting;
+
+static smr *s_of(void *job) { return ((starting *)job)->job.s; }
+static uint32_t on(const void *job) { return ((const starting *)job)->what & SMR_SCRUB_INPUTS; }
+
+/* Compares the model with the checksum that smr_model_open() compared, a piece at a time. */
+static void check_model(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const uint32_t targets = SMR_LOG_SURFACE;
-    SMR_TRY(smr_settable(s, 1, smr_ready(s)));
+    starting *j = job;
+    const smr_model *m = j->job.s->shared.model;
+    const size_t left = smr_le32(m->bytes) - SMR_MODEL_HEAD - j->at, n = left < SMR_SLICE ? left : SMR_SLICE;
+    j->sum = smr_crc32(j->sum, (const unsigned char *)m + SMR_MODEL_HEAD + j->at, n);
+    j->at += n;
+    if (n < left) {
+        smr_job_again(&j->job.head);
+        return;
+    }
+    if (j->sum != smr_le32(m->checksum))
+        j->damaged = numbers_fit(m) ? 1u : 2u;
+    j->at = j->sum = 0;
+}
+
+/* Stores the checksums of all inputs, a piece at a time. */
+static void sum_inputs(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    starting *j = job;
+    const input i = input_of(j->job.s, j->input);
+    j->at = add_slice(&i, j->at, &j->sum);
+    if (i.at == NULL || j->at >= i.bytes) {
+        if (i.sum != NULL)
+            *i.sum = j->sum;
+        j->at = j->sum = 0;
+        j->input++;
+    }
+    if (j->input < n_inputs(j->job.s))
+        smr_job_again(&j->job.head);
+}
+
+/* Copies a target's checksum to structure k, which shares the target with a structure that has it. */
+static void share_sum(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    starting *j = job;
+    smr_surface_goals *g = &j->job.s->forces.surface;
+    for (uint32_t i = 0; i < g->n_goals; i++)
+        if (g->goal[i].surface == g->target[j->k].surface)
+            g->target[j->k].body = g->target[g->goal[i].structure].body;
+    if (++j->k < g->shared->n_structures)
+        smr_job_again(&j->job.head);
+}
+
+static void turn_on(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const starting *j = job;
+    smr_scrubbing *c = &s_of(job)->scrub;
+    c->calls = j->what != 0u ? &scrub_calls : NULL;
+    c->what = j->what;
+    c->damaged = j->damaged;
+    if (on(job))
+        smr_scrub_again(s_of(job));
+    if (j->damaged)
+        ((starting *)job)->job.head.status = SMR_E_DAMAGED;
+}
+
+static const smr_stage stages[] = {
+    /* the first three come back for each piece */
+    {on, check_model, NULL, NULL},
+    {on, sum_inputs, NULL, NULL},
+    {on, share_sum, NULL, NULL},
+    {NULL, turn_on, NULL, NULL},
+};
+
+static int unchanged(void *job, int enter)
+{
+    starting *j = job;
+    if (!smr_hold_guard(&j->job, enter, smr_ready(j->job.s)))
+        return 0;
+    if (!enter)
+        smr_guard_close(j->job.s);
+    return 1;
+}
+
+smr_status smr_set_scrub_begin(smr *s, uint32_t what, smr_job *job)
+{
+    starting *const j = (starting *)(void *)job;
+    SMR_TRY(job == NULL ? SMR_E_NULL : smr_settable(s, 1, smr_ready(s)));
     SMR_TRY(smr_inputs_valid(&s->forces));
     if (what > SMR_SCRUB_INPUTS + SMR_SCRUB_STATE)
         return SMR_E_INPUT;
-    const smr_model *m = s->shared.model;
-    s->scrub = (smr_scrubbing){.calls = what != 0u ? &scrub_calls : NULL, .what = what};
-    if (what & SMR_SCRUB_INPUTS) {
-        if (smr_crc32(0, (const unsigned char *)m + SMR_MODEL_HEAD, smr_le32(m->bytes) - SMR_MODEL_HEAD) !=
-            smr_le32(m->checksum))
-            s->scrub.damaged = numbers_fit(m) ? 1u : 2u;
-        const input model = input_of(s, INPUT_MODEL);
-        learn_one(&model);
-        learn(s, targets, SMR_ALL);
-        learn(s, SMR_LOG_VOLUME, 0);
-        for (uint32_t i = 0; s->forces.contact.fixed != NULL && i < s->shared.config.contact.n_fixed; i++)
-            learn(s, SMR_LOG_FIXED_SURFACE, i);
-    }
-    smr_guard_close(s);
-    return s->scrub.damaged ? SMR_E_DAMAGED : SMR_OK;
+    memset(&s->scrub, 0, sizeof s->scrub);
+    memset(j, 0, sizeof *j);
+    j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
+    j->job.head.guard = unchanged;
+    j->what = what;
+    return SMR_OK;
+}
+
+smr_status smr_set_scrub(smr *s, uint32_t what)
+{
+    static const smr_port alone = {NULL, 1, NULL, NULL};
+    smr_job job;
+    SMR_TRY(smr_set_scrub_begin(s, what, &job));
+    return smr_job_step(&job, 0, &alone, 0);
 }
 
 smr_status smr_scrub(smr *s, uint64_t budget_ns)

@@ -25,13 +25,15 @@ smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_struct
 {
     SMR_TRY(smr_readable(s, structure, volume));
     const smr_kept_volume *kept = s->volumes.kept;
-    float rest = 0.0f, thick;
+    const smr_bulk bulk = smr_rest_volume(&s->shape, structure);
+    smr_fit fit;
     memset(volume, 0, sizeof *volume);
-    volume->closed = (uint32_t)smr_rest_volume(&s->shape, structure, &rest, &thick);
+    volume->closed = bulk.closed;
     if (!volume->closed)
         return SMR_OK;
-    const float scale = smr_start_scale(&s->shape);
-    rest *= scale * scale * (smr_start_mirrored(&s->shape) ? -scale : scale);
+    smr_start_fit(&s->shape, &fit, 0, s->shared.n);
+    const float scale = smr_start_scale(&fit);
+    const float rest = bulk.mm3 * (scale * scale * (smr_start_mirrored(&fit) ? -scale : scale));
     const float side = rest < 0.0f ? -1.0f : 1.0f;
     volume->rest_mm3 = side * rest;
     volume->present_mm3 = side * smr_enclosed_of(&s->shape, structure, s->shape.x);

@@ -64,10 +64,25 @@ enum {
     SMR_SAVED_AT_CONFIG_WORDS
 };
 
-void smr_go_over(smr *s, smr_keeper *k); /* counts, saves, checks or restores all saved values */
+/* counts, saves, checks or restores fields of structs, and of slots the values in bytes k->first .. k->last - 1 */
+void smr_go_over(smr *s, smr_keeper *k);
+#define SMR_KEEP_PIECE 2048u /* bytes of a save that a task saves, checks or restores */
+
+/* Returns the byte behind those of slots that a pass from byte `at` on processes, of `all`; the first pass: none. */
+static inline size_t smr_keep_end(size_t at, size_t all, uint32_t whole)
+{
+    return whole || all - at < SMR_KEEP_PIECE ? all : at + (at == 0u ? SMR_SAVED_FIXED : SMR_KEEP_PIECE);
+}
 
 /* restore_awaited_inputs.c: saves checksums of the caller's inputs, and which structures share a surface. */
 void smr_keep_inputs(smr_arena *a, smr *s);
+/* Checksums of the present inputs in the making, in the list that smr_keep_inputs() saves. */
+typedef struct smr_summing {
+    uint32_t at, begun; /* entry of the list; 1: `sum` has begun */
+    smr_input_sum sum;
+} smr_summing;
+int smr_sum_inputs(const smr *s, smr_summing *j,
+                   uint32_t most);      /* adds items, as smr_sum_add(). Returns 1 at the end */
 int smr_can_wait(const smr_shared *c);  /* 0: no memory for the list of awaited inputs: a forged model */
 int smr_awaits_log(const smr_log *log); /* 1: restored without the log's memory, which must be set */
 

@@ -10,7 +10,11 @@ void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
     smr_keep_floats(a, &e->moved_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
 }
 
-void smr_evolve_reset(smr_evolve *e) { memset(e->tangent_smooth.limited, 0, e->shared->n); }
+void smr_evolve_reset(smr_evolve *e, uint32_t part, uint32_t parts)
+{
+    const smr_piece p = smr_part(e->shared->n, part, parts);
+    memset(e->tangent_smooth.limited + p.first, 0, p.last - p.first);
+}
 
 /* Returns the displacement of ref by the average of the clusters' transforms, mm; rotates *normal. w: vertex' sum. */
 static inline smr_vec average_displacement(int logs, const uint32_t *w, const float inverse[2], float share,

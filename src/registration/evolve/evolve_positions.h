@@ -32,7 +32,8 @@ typedef struct smr_evolve {
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
-void smr_evolve_reset(smr_evolve *e); /* clears `limited` when an iteration is abandoned */
+/* clears a part of `limited` when an iteration is abandoned */
+void smr_evolve_reset(smr_evolve *e, uint32_t part, uint32_t parts);
 
 /* Steps: smr_evolve_step writes x_next and next normals; smr_evolve_measure measures steps and hashes x_next. */
 smr_count_tasks smr_evolve_tasks;

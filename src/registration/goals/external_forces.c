@@ -24,13 +24,15 @@ void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     smr_sources_layout(a, f, shared);
 }
 
-void smr_forces_reset(smr_forces *f)
+void smr_forces_reset(smr_forces *f, uint32_t part, uint32_t parts)
 {
-    memset(f->residual, 0, f->shared->n * sizeof *f->residual);
-    memset(f->found, SMR_FOUND_NO_TARGET, f->shared->n);
-    memset(f->found_last, SMR_FOUND_NO_TARGET, f->shared->n);
-    smr_forces_unmeasured(f);
-    smr_sources_reset(f);
+    const smr_piece p = smr_part(f->shared->n, part, parts);
+    memset(f->residual + p.first, 0, (p.last - p.first) * sizeof *f->residual);
+    memset(f->found + p.first, SMR_FOUND_NO_TARGET, p.last - p.first);
+    memset(f->found_last + p.first, SMR_FOUND_NO_TARGET, p.last - p.first);
+    f->unmeasured = 1;
+    f->matched = -1.0f;
+    smr_sources_reset(f, part, parts);
 }
 
 void smr_forces_unmeasured(smr_forces *f)

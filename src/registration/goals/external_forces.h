@@ -43,7 +43,8 @@ typedef struct smr_forces {
 } smr_forces;
 
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
-void smr_forces_reset(smr_forces *f);      /* discards the results of the forces of an abandoned iteration */
+/* discards the results of the forces of an abandoned iteration, in part `part` of `parts` */
+void smr_forces_reset(smr_forces *f, uint32_t part, uint32_t parts);
 void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
 /* Returns the share of a structure's searched vertices that have a goal; -1: not yet searched on this target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
@@ -78,7 +79,7 @@ static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 /* Checks that no target or fixed surface has changed since it was set. Errors: E_STATE; E_DAMAGED (by a fault). */
 smr_status smr_inputs_valid(const smr_forces *f);
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
-void smr_sources_reset(smr_forces *f);
+void smr_sources_reset(smr_forces *f, uint32_t part, uint32_t parts);
 void smr_sources_commit(smr_forces *f);           /* stores the results of all sources of goals for the next forces */
 void smr_sources_drop(smr_forces *f, uint32_t v); /* sets the target's pulls on v to 0 */
 

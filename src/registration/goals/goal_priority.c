@@ -27,16 +27,16 @@ void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     }
 }
 
-void smr_sources_reset(smr_forces *f)
+void smr_sources_reset(smr_forces *f, uint32_t part, uint32_t parts)
 {
-    smr_surface_goals_reset(&f->surface);
+    smr_surface_goals_reset(&f->surface, part, parts);
     if (SMR_HAS_PARTIAL)
-        smr_landmark_goals_reset(&f->landmarks);
+        smr_landmark_goals_reset(&f->landmarks, part, parts);
     if (SMR_HAS_IMAGE)
-        smr_image_goals_reset(&f->image);
+        smr_image_goals_reset(&f->image, part, parts);
     f->caller.summed = 0;
     if (SMR_HAS_CONTACT)
-        smr_contact_reset(&f->contact);
+        smr_contact_reset(&f->contact, part, parts);
 }
 
 /* Stores the visibility of each active vertex, which the field of landmarks reads. */

@@ -84,8 +84,9 @@ static inline int smr_reference_due(const smr_reference *r) { return r->stale !=
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share);
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
-void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
-void smr_match_end(smr_match *m);   /* computes m->largest from the results of the tasks */
+/* discards start values of decompositions, of a part of the vertices */
+void smr_match_reset(smr_match *m, uint32_t part, uint32_t parts);
+void smr_match_end(smr_match *m); /* computes m->largest from the results of the tasks */
 
 /* Steps on smr_match: smr_match_clusters computes the clusters' transforms; smr_average_record writes their records. */
 smr_count_tasks smr_match_cluster_tasks, smr_average_tasks;

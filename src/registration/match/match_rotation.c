@@ -16,9 +16,10 @@ void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
         m->eigen = smr_slot_floats(a, m->eigen, 9u * (size_t)shared->n, SMR_KEPT_UNIT);
 }
 
-void smr_match_reset(smr_match *m)
+void smr_match_reset(smr_match *m, uint32_t part, uint32_t parts)
 {
-    for (size_t v = 0; m->eigen != NULL && v < m->shared->n; v++)
+    const smr_piece p = smr_part(m->shared->n, part, parts);
+    for (size_t v = p.first; m->eigen != NULL && v < p.last; v++)
         for (size_t i = 0; i < 9u; i++)
             m->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
 }

@@ -6,9 +6,8 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/shape/deformed_shape.h"
 
-#define SMR_LEAVES 32u     /* number of tree leaves in a task */
-#define SMR_UPPERS 24u     /* number of tree nodes above the leaves in a task */
-#define SMR_RIGID_MM 0.01f /* largest distance of a start position from the rest shape in a rigid pose, mm */
+#define SMR_LEAVES 32u /* number of tree leaves in a task */
+#define SMR_UPPERS 24u /* number of tree nodes above the leaves in a task */
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
@@ -57,7 +56,12 @@ void smr_shape_start(smr_shape *shape)
         leaf += smr_tree_leaves(&one->tree);
         node += smr_tree_nodes(one->tree.n_triangles);
     }
-    for (uint32_t i = 0; i < 3u * c->n_triangles; i++)
+}
+
+void smr_shape_mark(smr_shape *shape, uint32_t first, uint32_t last)
+{
+    const smr_shared *c = shape->shared;
+    for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
         shape->on_surface[smr_index(c->triangle[i], c->n)] = 1;
 }
 
@@ -147,45 +151,4 @@ void smr_rest_pose_end(smr_shape *shape)
 {
     shape->rest_pose = smr_fit_solve(&shape->fit, 1);
     shape->rest_pose_due = 0;
-}
-
-void smr_rest_pose_now(smr_shape *shape)
-{
-    const uint32_t due = shape->rest_pose_due;
-    add_to_fit(shape, 0, shape->shared->n);
-    smr_rest_pose_end(shape);
-    shape->rest_pose_due = due;
-}
-
-/* Fits a rigid pose of the rest shape to the start of a structure, or of all (NULL). Returns 1 when the start is the
- * rest shape in this pose. */
-static int starts_rigid(const smr_shape *shape, const smr_shape_structure *one)
-{
-    const uint32_t first = one != NULL ? one->first_vertex : 0u, n = one != NULL ? one->n_vertices : shape->shared->n;
-    float most = 0.0f;
-    smr_pose pose = {{{0}}};
-    smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-    for (uint32_t i = 0; i < 2u * n; i++) {
-        const uint32_t v = smr_model_position(shape->shared->model, first + i % n);
-        const smr_vec rest = smr_rest(shape->shared, v), start = smr_get3(shape->start, v);
-        if (i == n)
-            pose = smr_fit_solve(&fit, 0);
-        const smr_vec off = smr_sub(smr_pose_apply(&pose, rest), start);
-        if (i < n)
-            smr_fit_add(&fit, rest, start, 1.0f);
-        else
-            most = smr_max(most, smr_dot(off, off));
-    }
-    return most <= SMR_RIGID_MM * SMR_RIGID_MM;
-}
-
-int smr_shape_find_parts(smr_shape *shape)
-{
-    const uint32_t n = shape->shared->n_structures;
-    uint32_t rigid = 0;
-    while (rigid < n && n > 1u && starts_rigid(shape, &shape->structure[rigid]))
-        rigid++;
-    shape->in_parts = n > 1u && rigid == n && !starts_rigid(shape, NULL);
-    return (int)shape->in_parts;
 }

@@ -70,6 +70,7 @@ typedef struct smr_shape {
 const uint32_t *smr_model_triangle(const smr_shared *c, uint32_t k);
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_shape_start(smr_shape *shape); /* computes the shapes of the box trees and their places in the arrays */
+void smr_shape_mark(smr_shape *shape, uint32_t first, uint32_t last); /* sets on_surface at corners of triangles */
 
 /* Moving triangles: their normals, and box trees where a stage needs them. */
 void smr_triangles_follow(smr_shape *shape, const float *xyz); /* lets the triangles read their corners at xyz [n][3] */
@@ -82,8 +83,6 @@ smr_run_task smr_triangles_refit, smr_uppers_refit;
 smr_count_tasks smr_rest_pose_tasks;
 smr_run_task smr_rest_pose_sum;
 void smr_rest_pose_end(smr_shape *shape);
-void smr_rest_pose_now(smr_shape *shape);   /* fits rest_pose at once, without steps */
-int smr_shape_find_parts(smr_shape *shape); /* sets in_parts from `start`, and returns it */
 
 /* tracking_rest_shape.c, in tracking and dynamics: x^r is tracking's rest shape, each structure in its best-fitting
  * pose. The fit is to x_next at the end of an iteration. */

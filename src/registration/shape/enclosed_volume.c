@@ -64,55 +64,68 @@ static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec a
     return sum;
 }
 
-float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x)
+/* Adds areas and hashes of edges of triangles at rest. */
+static void add_rest(smr_bulk *b, const smr_shared *c, uint32_t first, uint32_t last)
 {
-    const smr_shape_structure *one = &shape->structure[structure];
-    const smr_vec apex = smr_cone_apex(shape, structure, x);
-    const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
-    float sum = 0.0f; /* sum of the chunks' sums, which keeps rounding small */
-    for (uint32_t k = first; k < last; k += SMR_TRIANGLE_CHUNK)
-        sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), apex, x);
-    return sum;
-}
-
-int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm)
-{
-    const smr_shape_structure *one = &shape->structure[structure];
-    const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
-    float area = 0.0f;
     for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = smr_model_triangle(shape->shared, k);
-        area += 0.5f * smr_length(smr_triangle_cross(smr_rest(shape->shared, t[0]), smr_rest(shape->shared, t[1]),
-                                                     smr_rest(shape->shared, t[2])));
+        const uint32_t *t = smr_model_triangle(c, k);
+        b->area += 0.5f * smr_length(smr_triangle_cross(smr_rest(c, t[0]), smr_rest(c, t[1]), smr_rest(c, t[2])));
     }
-    *mm3 = smr_enclosed_of(shape, structure, NULL);
-    *thick_mm = area > 0.0f ? smr_abs(*mm3) / area : 0.0f;
-    return *thick_mm > SMR_THIN && smr_mesh_closed(one->tree.triangle, one->tree.n_triangles);
+    b->edges += smr_mesh_edges(c->triangle + 3u * (size_t)first, last - first);
 }
 
-static smr_fit start_fit(const smr_shape *shape)
+int smr_bulk_add(smr_bulk *b, const smr_shape *shape, uint32_t structure, float *x)
 {
-    smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-    for (uint32_t v = 0; v < shape->shared->n; v++)
-        smr_fit_add(&fit, smr_rest(shape->shared, v), smr_get3(shape->start, v), 1.0f);
-    return fit;
+    const smr_shape_structure *one = &shape->structure[structure];
+    const uint32_t end = smr_min_u32(b->at + SMR_TRIANGLE_CHUNK, one->tree.n_triangles);
+    const uint32_t first = one->first_triangle + b->at, last = one->first_triangle + end;
+    if (b->half == 0u) {
+        b->apex = b->at == 0u ? smr_cone_apex(shape, structure, x) : b->apex;
+        b->mm3 += cones(shape, first, last, b->apex, x); /* sum of the chunks' sums, which keeps rounding small */
+        b->half = x == NULL;
+        if (b->half)
+            return 0;
+    } else {
+        add_rest(b, shape->shared, first, last);
+    }
+    b->half = 0;
+    b->at = end;
+    b->thick_mm = b->area > 0.0f ? smr_abs(b->mm3) / b->area : 0.0f;
+    b->closed = b->thick_mm > SMR_THIN && end > 0u && b->edges == 0u;
+    return end == one->tree.n_triangles;
 }
 
-float smr_start_scale(const smr_shape *shape)
+static smr_bulk at_once(const smr_shape *shape, uint32_t structure, float *x)
 {
-    const smr_fit fit = start_fit(shape);
-    const smr_pose pose = smr_fit_solve(&fit, 1);
+    smr_bulk b = {.at = 0};
+    while (!smr_bulk_add(&b, shape, structure, x))
+        ;
+    return b;
+}
+
+float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x) { return at_once(shape, structure, x).mm3; }
+smr_bulk smr_rest_volume(const smr_shape *shape, uint32_t structure) { return at_once(shape, structure, NULL); }
+
+void smr_start_fit(const smr_shape *shape, smr_fit *fit, uint32_t first, uint32_t last)
+{
+    if (first == 0u)
+        smr_fit_start(fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
+    for (uint32_t v = first; v < last; v++)
+        smr_fit_add(fit, smr_rest(shape->shared, v), smr_get3(shape->start, v), 1.0f);
+}
+
+float smr_start_scale(const smr_fit *fit)
+{
+    const smr_pose pose = smr_fit_solve(fit, 1);
     return smr_length(smr_column(&pose, 0));
 }
 
-int smr_start_mirrored(const smr_shape *shape)
+int smr_start_mirrored(const smr_fit *fit)
 {
-    const smr_fit fit = start_fit(shape);
     float m[9], most = 0.0f;
     for (uint32_t i = 0; i < 9u; i++) {
-        const float means = fit.sum[SMR_FIT_TO + i / 3u] * fit.sum[SMR_FIT_FROM + i % 3u];
-        m[i] = fit.sum[SMR_FIT_CROSS + i] - means / smr_max(fit.weight, 1.0f);
+        const float means = fit->sum[SMR_FIT_TO + i / 3u] * fit->sum[SMR_FIT_FROM + i % 3u];
+        m[i] = fit->sum[SMR_FIT_CROSS + i] - means / smr_max(fit->weight, 1.0f);
         most = smr_max(most, smr_abs(m[i]));
     }
     for (uint32_t i = 0; i < 9u; i++)

@@ -28,10 +28,25 @@ static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
 float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most);
 /* Returns the volume of a structure with its vertices at x [n][3] (NULL: rest shape), mm^3. */
 float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
-/* Returns 1 when the structure's rest shape is closed. *mm3: its volume; *thick_mm: volume / area. */
-int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
-/* Returns the scale of the similarity that maps the whole model's rest shape onto the start positions. */
-float smr_start_scale(const smr_shape *shape);
-int smr_start_mirrored(const smr_shape *shape); /* 1: the start positions are a mirror image of the rest shape */
+/* The volume of a structure: sums over its triangles so far, and what follows from them. */
+typedef struct smr_bulk {
+    uint32_t at;     /* number of triangles that the sums contain */
+    uint32_t half;   /* 1: `mm3` contains SMR_TRIANGLE_CHUNK triangles more */
+    float mm3, area; /* volume, mm^3; area at rest, mm^2 */
+    smr_vec apex;    /* apex of the cones, mm */
+    uint64_t edges;  /* sum of hashes of the edges at rest: 0 when closed */
+    uint32_t closed; /* result at rest: 1: the structure encloses a volume */
+    float thick_mm;  /* result at rest: volume / area, mm */
+} smr_bulk;
+
+/* Adds SMR_TRIANGLE_CHUNK triangles to the sums, which begin as 0; those of the rest shape (x NULL) in two calls.
+ * Returns 1 at the end. x: [n][3] mm. */
+int smr_bulk_add(smr_bulk *b, const smr_shape *shape, uint32_t structure, float *x);
+smr_bulk smr_rest_volume(const smr_shape *shape, uint32_t structure); /* the same at once, for the rest shape */
+
+/* Adds the vertices first .. last - 1 to the fit of the rest shape to the start positions, or starts it at 0. */
+void smr_start_fit(const smr_shape *shape, smr_fit *fit, uint32_t first, uint32_t last);
+float smr_start_scale(const smr_fit *fit);  /* scale of the start, from the fit of all vertices */
+int smr_start_mirrored(const smr_fit *fit); /* 1: the start positions are a mirror image of the rest shape */
 
 #endif

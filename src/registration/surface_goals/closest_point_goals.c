@@ -58,19 +58,26 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
 }
 
-void smr_pulls_clear(smr_surface_goals *g)
+static void clear_pulls(smr_surface_goals *g, uint32_t k, uint32_t parts)
 {
+    const smr_piece p = smr_part(g->shared->config.basic.n_workers * g->shared->n, k, parts);
     if (g->pull != NULL)
-        memset(g->pull, 0, g->shared->config.basic.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
+        memset(g->pull + 4u * (size_t)p.first, 0, 4u * (size_t)(p.last - p.first) * sizeof *g->pull);
 }
 
-void smr_certainties_clear(smr_surface_goals *g)
+void smr_pulls_clear(smr_surface_goals *g) { clear_pulls(g, 0, 1); }
+
+static void clear_certainties(smr_surface_goals *g, uint32_t k, uint32_t parts)
 {
-    memset(g->other, 0, g->shared->n * sizeof *g->other);
+    const smr_piece p = smr_part(g->shared->n, k, parts),
+                    t = smr_part(g->shared->config.basic.n_target_vertices, k, parts);
+    memset(g->other + p.first, 0, (p.last - p.first) * sizeof *g->other);
     if (g->target_other != NULL)
-        memset(g->target_other, 0, g->shared->config.basic.n_target_vertices * sizeof *g->target_other);
+        memset(g->target_other + t.first, 0, (t.last - t.first) * sizeof *g->target_other);
     g->path = g->moved = 0.0f;
 }
+
+void smr_certainties_clear(smr_surface_goals *g) { clear_certainties(g, 0, 1); }
 
 void smr_certainties_age(smr_surface_goals *g, float moved)
 {
@@ -80,25 +87,32 @@ void smr_certainties_age(smr_surface_goals *g, float moved)
         smr_certainties_clear(g);
 }
 
-void smr_target_warm_clear(smr_surface_goals *g)
+static void clear_target_warm(smr_surface_goals *g, uint32_t k, uint32_t parts)
 {
-    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
+    const smr_piece t = smr_part(g->shared->config.basic.n_target_vertices, k, parts);
+    for (uint32_t j = t.first; g->target_warm != NULL && j < t.last; j++)
         g->target_warm[j] = SMR_NONE;
 }
 
-void smr_surface_goals_reset(smr_surface_goals *g)
+void smr_target_warm_clear(smr_surface_goals *g) { clear_target_warm(g, 0, 1); }
+
+void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32_t parts)
 {
-    smr_pulls_clear(g);
-    smr_outliers_forget(g, SMR_ALL);
+    const smr_piece p = smr_part(g->shared->n, k, parts);
+    clear_pulls(g, k, parts);
+    clear_certainties(g, k, parts);
+    clear_target_warm(g, k, parts);
     if (g->visibility != NULL) {
-        memset(g->visibility, 0, g->shared->n);
-        memset(g->visibility_next, 0, g->shared->n);
+        memset(g->visibility + p.first, 0, p.last - p.first);
+        memset(g->visibility_next + p.first, 0, p.last - p.first);
     }
+    for (uint32_t v = p.first; v < p.last; v++)
+        g->warm[v] = g->warm_next[v] = SMR_NONE;
+    if (k > 0u)
+        return;
+    smr_outliers_forget(g, SMR_ALL);
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
         g->target[i].view = smr_v(0, 0, 0);
-    for (uint32_t v = 0; v < g->shared->n; v++)
-        g->warm[v] = g->warm_next[v] = SMR_NONE;
-    smr_target_warm_clear(g);
 }
 
 void smr_surface_goals_commit(smr_surface_goals *g)

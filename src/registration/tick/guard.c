@@ -99,6 +99,8 @@ smr_status smr_sound(const smr *s) { return check(s, ALL); }
 static smr_status readable(const smr *s, uint32_t structure, const void *out, int least)
 {
     const smr_status status = check(out == NULL ? NULL : s, least);
+    if (status == SMR_OK && s->ticking == SMR_STARTING)
+        return SMR_E_STATE; /* positions are half those before */
     return status == SMR_OK && structure >= s->shared.n_structures ? SMR_E_INPUT : status;
 }
 

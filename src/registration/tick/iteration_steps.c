@@ -118,10 +118,15 @@ void smr_abandon_iteration(smr *s)
     for (uint32_t v = 0; v < smr_normals_exchanged(s); v++)
         smr_put3(s->shape.normal, v, smr_next_normal(s->sums.sum, v));
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
-    smr_forces_reset(&s->forces);
-    smr_match_reset(&s->match);
-    smr_evolve_reset(&s->evolve);
+    smr_iteration_reset(s, 0, 1);
     smr_triangles_now(&s->shape);
+}
+
+void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
+{
+    smr_forces_reset(&s->forces, part, parts);
+    smr_match_reset(&s->match, part, parts);
+    smr_evolve_reset(&s->evolve, part, parts);
     smr_folds_reset(&s->folds);
     smr_place_reset(s);
 }

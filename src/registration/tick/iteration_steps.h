@@ -68,6 +68,8 @@ uint32_t smr_normals_exchanged(const smr *s);
 
 /* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which existed. */
 void smr_abandon_iteration(smr *s);
+/* Discards the results of an iteration in part `part` of `parts` of all arrays but positions and normals. */
+void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts);
 
 /* coarse_to_fine_schedule.c: work between iterations. */
 void smr_schedule_start(smr *s); /* starts at the first radius, from the present positions */

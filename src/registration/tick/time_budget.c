@@ -73,7 +73,8 @@ void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns)
 {
     smr_time_budget *c = &s->budget;
     const uint64_t most = budget_ns > SMR_STRETCH_NS ? budget_ns : SMR_STRETCH_NS;
-    const int close = smr_steps[s->step].work == SMR_WORK_LISTS && 2u * s->schedule.n_active >= s->shared.n;
+    const int close =
+        smr_steps[s->step].work == SMR_WORK_LISTS && 2u * s->schedule.n_active >= s->schedule.lists.members;
     if (c->work >= SMR_WORK_MOST / 4u && close)
         learn_pace(c, (float)ns);
     c->work = 0;

@@ -23,9 +23,9 @@ static inline smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, u
     return (smr_measuring){smr_job_begin(stages, n_stages, &s->port), s, s->log.changes, s->n_measured};
 }
 
-/* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when a tick, a setter or another
- * measure has come since the begin. */
-static inline int smr_measure_guard(smr_measuring *m, int enter)
+/* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when `legal` is 0, or a tick, a
+ * setter or another measure has come since the begin. */
+static inline int smr_hold_guard(smr_measuring *m, int enter, int legal)
 {
     smr *const s = m->s;
     const smr_status sound = enter ? smr_sound(s) : SMR_OK;
@@ -33,10 +33,16 @@ static inline int smr_measure_guard(smr_measuring *m, int enter)
         m->head.status = sound; /* closing the guard would hide the fault */
         return 0;
     }
-    if (enter && (!smr_measurable(s) || s->log.changes != m->changes || s->n_measured != m->turn))
+    if (enter && (!legal || s->log.changes != m->changes || s->n_measured != m->turn))
         return 0;
     s->ticking = enter ? SMR_TICKING : 0u; /* back to 0 after a step, so the guard's sums still hold */
     return 1;
+}
+
+/* The same for a measure between iterations. */
+static inline int smr_measure_guard(smr_measuring *m, int enter)
+{
+    return smr_hold_guard(m, enter, smr_measurable(m->s));
 }
 
 #endif
