@@ -5,7 +5,9 @@
 
 #define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model that suffice for an image */
 #define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
-#define SMR_FIRST_TIMES 2u   /* factor on the first radius' iterations with an image: most displacement happens there */
+#define SMR_FIRST_TIMES 2u /* factor on the first radius' iterations with an image: most displacement happens there */
+#define SMR_CLOUD_ITERATIONS                                                                                           \
+    9u                       /* most iterations at a radius with clouds; at the first SMR_FIRST_CLOUD times as many */
 #define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */
 #define SMR_TRACK_EDGES 6.0f /* default radius of tracking, in mean edges */
 
@@ -33,13 +35,21 @@ uint32_t smr_radius_after(const smr *s)
     return best;
 }
 
+/* Returns the largest number of iterations at a radius between the first and the last. The noise of points keeps
+ * vertices in motion, so with clouds a number ends a radius and not progress. */
+static uint32_t level_iterations(const smr *s)
+{
+    const int counts = s->forces.surface.n_clouds_at_begin > 0u && s->shared.config.motion.settle_share > 0.0f;
+    return smr_min_u32(s->shared.config.basic.iterations, counts ? SMR_CLOUD_ITERATIONS : UINT32_MAX);
+}
+
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.schedule.radius_first == smr_last_radius(&s->shared);
     const uint32_t times = s->forces.image.has_image                  ? SMR_FIRST_TIMES
                            : s->forces.surface.n_clouds_at_begin > 0u ? SMR_FIRST_CLOUD
                                                                       : 1u;
-    return alone ? s->shared.config.basic.iterations_last : s->shared.config.basic.iterations * times;
+    return alone ? s->shared.config.basic.iterations_last : level_iterations(s) * times;
 }
 
 uint32_t smr_radius_iterations(const smr *s)
@@ -47,7 +57,7 @@ uint32_t smr_radius_iterations(const smr *s)
     const smr_config *c = &s->shared.config;
     if (s->schedule.radius == c->schedule.radius_first)
         return first_iterations(s);
-    return smr_at_last_radius(&s->shared, &s->schedule) ? c->basic.iterations_last : c->basic.iterations;
+    return smr_at_last_radius(&s->shared, &s->schedule) ? c->basic.iterations_last : level_iterations(s);
 }
 
 float smr_radius_progress(const smr *s)
@@ -57,7 +67,7 @@ float smr_radius_progress(const smr *s)
     if (s->shared.config.dynamics.mode)
         return 0.0f;
     const smr_config *c = &s->shared.config;
-    const float first = (float)first_iterations(s), level = (float)c->basic.iterations;
+    const float first = (float)first_iterations(s), level = (float)level_iterations(s);
     const uint32_t steps = smr_last_radius(&s->shared) - c->schedule.radius_first,
                    at = s->schedule.radius - c->schedule.radius_first;
     const float total = steps > 0u ? first + level * (float)(steps - 1u) + (float)c->basic.iterations_last : first;
