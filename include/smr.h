@@ -969,7 +969,7 @@ typedef struct smr_motion_config {
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
      * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */
     float settle_um;
-    /* share, [0, 1], default 0.15, 0. A radius before the last ends, too, when the mean displacement of an iteration
+    /* share, [0, 1], default 0.1, 0. A radius before the last ends, too, when the mean displacement of an iteration
      * falls below this share of the mean distance to the goals: the clusters are then too large to follow. */
     float settle_share;
     /* 0 or 1, default 1. 1: at the last two radii folds are repaired, and displacements that would fold triangles are
@@ -991,9 +991,9 @@ typedef struct smr_schedule_config {
     uint32_t radius_last;  /* index, default SMR_FINEST. Index of the last radius used, not below radius_first */
     /* share, [0, 1], default 1. Active share at the schedule's start; grows to active_share if below it. */
     float active_first;
-    /* vertices, [0, 1000000], default 30. With an image, this many active vertices in the smallest cluster suffice, if
-     * 1,000 vertices of the whole model are active, too; the iteration ignores all other vertices. The number of active
-     * vertices is rounded to whole priority levels. 0: active_share alone decides. */
+    /* vertices, [0, 1000000], default 30. With an image, and at radii before the last if settle_share is not 0, this
+     * many active vertices in the smallest cluster suffice, if 1,000 of the whole model are active, too; the iteration
+     * ignores all other vertices. The number is rounded to whole priority levels. 0: active_share alone decides. */
     uint32_t active_enough;
 } smr_schedule_config;
 
