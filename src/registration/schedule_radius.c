@@ -6,7 +6,7 @@
 #define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model that suffice */
 #define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
 #define SMR_FIRST_TIMES 2u /* factor on the first radius' iterations with an image: most displacement happens there */
-#define SMR_CLOUD_ITERATIONS 9u /* most iterations at a radius with clouds; first: SMR_FIRST_CLOUD times as many */
+#define SMR_FIXED_ITERATIONS 9u /* most iterations at a radius where progress does not end the radius */
 #define SMR_NARROWING 0.5f      /* smallest ratio of the search distances of two successive radii */
 #define SMR_TRACK_EDGES 6.0f    /* default radius of tracking, in mean edges */
 
@@ -34,12 +34,15 @@ uint32_t smr_radius_after(const smr *s)
     return best;
 }
 
-/* Returns the largest number of iterations at a radius between the first and the last. The noise of points keeps
- * vertices in motion, so with clouds a number ends a radius and not progress. */
+/* Returns the largest number of iterations at a radius between the first and the last. A number and not progress ends
+ * radii where progress misleads: the noise of points keeps vertices in motion, a model slides in a target that shows a
+ * part of it, and volumes change against the target. */
 static uint32_t level_iterations(const smr *s)
 {
-    const int counts = s->forces.surface.n_clouds_at_begin > 0u && s->shared.config.motion.settle_share > 0.0f;
-    return smr_min_u32(s->shared.config.basic.iterations, counts ? SMR_CLOUD_ITERATIONS : UINT32_MAX);
+    const smr_surface_goals *g = &s->forces.surface;
+    const int counts = s->shared.config.motion.settle_share > 0.0f &&
+                       (g->n_clouds_at_begin > 0u || g->partial != 0u || smr_volumes_used(&s->volumes));
+    return smr_min_u32(s->shared.config.basic.iterations, counts ? SMR_FIXED_ITERATIONS : UINT32_MAX);
 }
 
 static uint32_t first_iterations(const smr *s)
