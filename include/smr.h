@@ -131,10 +131,10 @@ typedef struct smr_basic_config {
      * attract; surfaces of any size are accepted, clouds are refused, and the arena has no memory for attraction. */
     uint32_t attract;
     uint32_t method; /* SMR_METHOD_..., default rigid. How a cluster's rotation is computed */
-    /* iterations, [1, 100000], default 9, 20. Largest number of iterations at each radius except the last, not counting
+    /* iterations, [1, 100000], default 60, 20. Largest number of iterations at each radius except the last, not counting
      * iterations that only repair folds. With an image the first of several radii has twice this number. */
     uint32_t iterations;
-    uint32_t iterations_last; /* iterations, [1, 100000], default 60, 40. Most iterations at the last radius */
+    uint32_t iterations_last; /* iterations, [1, 100000], default 30, 40. Most iterations at the last radius */
     /* share, [0, 1], default 1. Share of the vertices that take part, the most important first (paper 2.2, complexity
      * tuning). Ignored vertices get no force, belong to no cluster, and move with the nearby active vertices. At least
      * smr_model_info.active_min vertices take part. */
@@ -976,8 +976,11 @@ typedef struct smr_motion_config {
     uint32_t plastic_every;
     uint32_t plastic_by; /* SMR_PLASTIC_..., default largest. Displacement that plastic_um bounds: largest, or mean */
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
-     * radius does not end early while `even` acts on a target surface and a vertex moves. */
+     * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */
     float settle_um;
+    /* share, [0, 1], default 0.1, 0. A radius before the last ends, too, when the mean displacement of an iteration
+     * falls below this share of the mean distance to the goals: the clusters are then too large to follow. */
+    float settle_share;
     /* 0 or 1, default 1. 1: at the last two radii folds are repaired, and displacements that would fold triangles are
      * limited; at the last radius remaining folded edges are opened. */
     uint32_t fold_guard;
@@ -997,9 +1000,9 @@ typedef struct smr_schedule_config {
     uint32_t radius_last;  /* index, default SMR_FINEST. Index of the last radius used, not below radius_first */
     /* share, [0, 1], default 1. Active share at the schedule's start; grows to active_share if below it. */
     float active_first;
-    /* vertices, [0, 1000000], default 30. With an image, this many active vertices in the smallest cluster suffice, if
-     * 1,000 vertices of the whole model are active, too; the iteration ignores all other vertices. The number of active
-     * vertices is rounded to whole priority levels. 0: active_share alone decides. */
+    /* vertices, [0, 1000000], default 30. With an image, and at radii before the last if settle_share is not 0, this
+     * many active vertices in the smallest cluster suffice, if 1,000 of the whole model are active, too; the iteration
+     * ignores all other vertices. The number is rounded to whole priority levels. 0: active_share alone decides. */
     uint32_t active_enough;
 } smr_schedule_config;
 
@@ -1280,7 +1283,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 /* Bound of a log of n_ticks ticks, each with the results of a caller's force, and n_sets calls of smr_set_...(), of any
  * alignment. Each landmark that is set counts as one call. */
-#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)640u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
+#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)656u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
 
 /* Parts of the bounds: search trees, and the copy of the triangles on big-endian processors. */
 #define SMR_TREE_BYTES(nt, ns) ((size_t)192u * ((size_t)(nt) / 7u + (size_t)8u * (ns)))

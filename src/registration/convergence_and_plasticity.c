@@ -5,6 +5,8 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
+#define SMR_FEWEST 3u /* fewest iterations at a radius whose vertices still move */
+
 /* Returns 1 when a radius may end before its last iteration. With tangential smoothing the last radius does not, since
  * rounding would decide when. No radius ends early while volumes change towards their ratios. */
 static int may_end_early(const smr *s)
@@ -17,14 +19,25 @@ static int may_end_early(const smr *s)
            s->forces.surface.n_goals_at_begin == 0u || !(s->shared.config.basic.even > 0.0f);
 }
 
-/* Returns whether a radius ends: when no vertex moves by settle_um or more, or after its number of iterations. */
+/* Returns 1 when the vertices move by less than settle_share of the way to their goals: forces on clusters of the
+ * current radius cancel out, and smaller clusters follow them further. */
+static int stalls(const smr *s, uint32_t radius_iteration)
+{
+    const smr_motion_config *c = &s->shared.config.motion;
+    return c->settle_um > 0.0f && c->settle_share > 0.0f && radius_iteration >= SMR_FEWEST &&
+           s->schedule.repairing == 0u && !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) &&
+           s->evolve.mean_mm <= c->settle_share * s->forces.totals.goal_mean;
+}
+
+/* Returns whether a radius ends: when no vertex moves by settle_um or more, when the vertices hardly approach their
+ * goals, or after its number of iterations. */
 smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration)
 {
     const int last = smr_at_last_radius(&s->shared, &s->schedule);
     const float moved_um = s->evolve.moved_mm * 1000.0f;
     smr_ending e;
     e.settled = moved_um < s->shared.config.motion.settle_um && may_end_early(s);
-    e.spent = radius_iteration >= smr_radius_iterations(s);
+    e.spent = radius_iteration >= smr_radius_iterations(s) || stalls(s, radius_iteration);
     e.small = moved_um < s->shared.config.motion.plastic_um;
     e.done = s->schedule.repairing == 0u && last && (e.settled || e.spent);
     return e;

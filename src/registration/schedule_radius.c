@@ -3,11 +3,12 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
-#define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model that suffice for an image */
+#define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model that suffice */
 #define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
-#define SMR_FIRST_TIMES 2u   /* factor on the first radius' iterations with an image: most displacement happens there */
-#define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */
-#define SMR_TRACK_EDGES 6.0f /* default radius of tracking, in mean edges */
+#define SMR_FIRST_TIMES 2u /* factor on the first radius' iterations with an image: most displacement happens there */
+#define SMR_FIXED_ITERATIONS 9u /* most iterations at a radius where progress does not end the radius */
+#define SMR_NARROWING 0.5f      /* smallest ratio of the search distances of two successive radii */
+#define SMR_TRACK_EDGES 6.0f    /* default radius of tracking, in mean edges */
 
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm)
 {
@@ -33,13 +34,24 @@ uint32_t smr_radius_after(const smr *s)
     return best;
 }
 
+/* Returns the largest number of iterations at a radius between the first and the last. A number and not progress ends
+ * radii where progress misleads: the noise of points keeps vertices in motion, a model slides in a target that shows a
+ * part of it, and volumes change against the target. */
+static uint32_t level_iterations(const smr *s)
+{
+    const smr_surface_goals *g = &s->forces.surface;
+    const int counts = s->shared.config.motion.settle_share > 0.0f &&
+                       (g->n_clouds_at_begin > 0u || g->partial != 0u || smr_volumes_used(&s->volumes));
+    return smr_min_u32(s->shared.config.basic.iterations, counts ? SMR_FIXED_ITERATIONS : UINT32_MAX);
+}
+
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.schedule.radius_first == smr_last_radius(&s->shared);
     const uint32_t times = s->forces.image.has_image                  ? SMR_FIRST_TIMES
                            : s->forces.surface.n_clouds_at_begin > 0u ? SMR_FIRST_CLOUD
                                                                       : 1u;
-    return alone ? s->shared.config.basic.iterations_last : s->shared.config.basic.iterations * times;
+    return alone ? s->shared.config.basic.iterations_last : level_iterations(s) * times;
 }
 
 uint32_t smr_radius_iterations(const smr *s)
@@ -47,7 +59,7 @@ uint32_t smr_radius_iterations(const smr *s)
     const smr_config *c = &s->shared.config;
     if (s->schedule.radius == c->schedule.radius_first)
         return first_iterations(s);
-    return smr_at_last_radius(&s->shared, &s->schedule) ? c->basic.iterations_last : c->basic.iterations;
+    return smr_at_last_radius(&s->shared, &s->schedule) ? c->basic.iterations_last : level_iterations(s);
 }
 
 float smr_radius_progress(const smr *s)
@@ -57,23 +69,32 @@ float smr_radius_progress(const smr *s)
     if (s->shared.config.dynamics.mode)
         return 0.0f;
     const smr_config *c = &s->shared.config;
-    const float first = (float)first_iterations(s), level = (float)c->basic.iterations;
+    const float first = (float)first_iterations(s), level = (float)level_iterations(s);
     const uint32_t steps = smr_last_radius(&s->shared) - c->schedule.radius_first,
                    at = s->schedule.radius - c->schedule.radius_first;
     const float total = steps > 0u ? first + level * (float)(steps - 1u) + (float)c->basic.iterations_last : first;
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->schedule.radius_iteration) / total;
 }
 
-/* Returns the number of active vertices that suffices for image forces, which take most of an iteration: active_enough
- * in the smallest cluster. A whole priority level, whose vertices do not depend on the order along the curve. */
-static float enough_for_image(const smr *s)
+/* Returns 1 when fewer active vertices suffice: with an image, whose forces take most of an iteration, and at radii
+ * before the last, whose clusters cannot follow single vertices. */
+static int few_suffice(const smr *s)
+{
+    const int coarse = s->shared.config.motion.settle_share > 0.0f && !smr_at_last_radius(&s->shared, &s->schedule) &&
+                       !s->schedule.done && !s->schedule.tracking && !s->shared.config.dynamics.mode;
+    return s->shared.config.schedule.active_enough > 0u && (s->forces.image.has_image || coarse);
+}
+
+/* Returns the number of active vertices that suffices: active_enough in the smallest cluster. A whole priority level,
+ * whose vertices do not depend on the order along the curve. */
+static float enough(const smr *s)
 {
     const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /
                           (float)smr_max_u32(s->schedule.lists.smallest, 1u);
-    const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* a floor: clusters that span the model share vertices */
+    const float wanted = smr_max(cluster, SMR_ENOUGH_ALL); /* a floor: clusters that span the model share vertices */
     uint32_t level = 0;
     while (level + 1u < smr_le32(s->shared.model->n_levels) &&
-           (float)smr_le32(s->shared.model->level_end[level]) < SMR_ABOUT * enough)
+           (float)smr_le32(s->shared.model->level_end[level]) < SMR_ABOUT * wanted)
         level++;
     return (float)smr_le32(s->shared.model->level_end[level]);
 }
@@ -83,8 +104,8 @@ uint32_t smr_radius_active(const smr *s)
     const float n = (float)s->shared.n, last = s->shared.config.basic.active_share,
                 first = smr_min(s->shared.config.schedule.active_first, last);
     float count = n * (first + (last - first) * smr_radius_progress(s));
-    if (s->forces.image.has_image && s->shared.config.schedule.active_enough > 0u)
-        count = smr_min(count, enough_for_image(s));
+    if (few_suffice(s))
+        count = smr_min(count, enough(s));
     const uint32_t whole = (uint32_t)count;
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->schedule.lists.active_min),
                        s->schedule.lists.members);

@@ -21,7 +21,7 @@ float smr_radius_progress(const smr *s); /* returns the completed share of the s
 typedef struct smr_ending {
     int small;   /* 1: no vertex moved by plastic_um or more */
     int settled; /* 1: no vertex moved by settle_um or more, and the radius may end early */
-    int spent;   /* 1: the iteration was the last one of its radius */
+    int spent;   /* 1: the iteration was the last one of its radius, which then ends */
     int done;    /* 1: the iteration was the last one of the schedule */
 } smr_ending;
 

@@ -58,7 +58,6 @@ done
 for option in "--active 1.1" "--active -0.1" "--active nan" "--active-first 2" "--active-first x" "--active-enough -1" "--active-enough 1.5"; do
     by_file "$option" "${option%% *}" $reg $image4 $option
 done
-by_file "--active-enough for a surface" "--active-enough" $reg --target target.ply --active-enough 0
 by_file "--active for a build" "--active" "$SMR" build --model bone.ply --active 0.5 -o out.smr
 by_file "--profile-step without a reference" "--profile-step" "$SMR" build --model bone.ply --profile-step 1 -o out.smr
 by_file "truth that is not there" "none" $reg $image4 --truth none

@@ -258,11 +258,27 @@ static float level_with(const smr_model_info *info, float least)
     return (float)info->n_vertices;
 }
 
-/* With an image, active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which
- * is larger here; active_share is the upper limit. */
-TEST(test_image_needs_few)
+enum { ENOUGH_ALL = 1000 };
+
+/* Returns the number of active vertices that the radius needs: active_enough of the smallest cluster and ENOUGH_ALL of
+ * the whole model, which is larger here, by whole levels; active_share is the upper limit. Counts which one decides. */
+static float needed(const smr *s, const smr_model_info *info, uint32_t limited[2])
 {
-    enum { SIDE = 24, ENOUGH_ALL = 1000 };
+    const smr_config *const c = &s->shared.config;
+    const smr_lists *const l = &s->schedule.lists;
+    float want = c->basic.active_share * (float)s->shared.n;
+    if (c->schedule.active_enough > 0u) { /* whole levels, about as many */
+        const float cluster = (float)s->shared.n * (float)c->schedule.active_enough / (float)l->smallest;
+        limited[cluster < ENOUGH_ALL]++;
+        want = fminf(want, level_with(info, 0.75f * fmaxf(cluster, ENOUGH_ALL)));
+    }
+    return fmaxf(want, (float)l->active_min);
+}
+
+/* Few active vertices suffice at large radii, with an image and without one. */
+TEST(test_large_radii_need_few)
+{
+    enum { SIDE = 24 };
     const float off[3] = {1, 2, -1};
     const smr_mesh mesh = rig_ball(30, 50, 60, none);
     uint32_t limited[2] = {0, 0}; /* how often each of the two decided */
@@ -286,20 +302,14 @@ TEST(test_image_needs_few)
         c.basic.active_share = i < 6u ? 1.0f : 0.25f;
         c.basic.iterations = c.basic.iterations_last = 3;
         smr *s = rig_init(model, &c, NULL);
-        assert_int_equal(s->schedule.n_active, i < 6u ? s->shared.n : (s->shared.n + 3u) / 4u); /* no image yet */
+        const float bare = needed(s, &info, limited);
+        assert_true((float)s->schedule.n_active >= bare && (float)s->schedule.n_active < bare + 1.01f);
         smr_volume moved = volume;
         for (uint32_t a = 0; a < 3u; a++)
             moved.origin[a] += off[a];
         assert_int_equal(SMR_OK, smr_set_volume(s, &moved));
         for (uint32_t k = 0; k < 9u; k++) { /* both radii */
-            float want = c.basic.active_share * (float)s->shared.n;
-            if (c.schedule.active_enough > 0u) { /* whole levels, about as many */
-                const float cluster =
-                    (float)s->shared.n * (float)c.schedule.active_enough / (float)s->schedule.lists.smallest;
-                limited[cluster < ENOUGH_ALL]++;
-                want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, ENOUGH_ALL)));
-            }
-            want = fmaxf(want, (float)s->schedule.lists.active_min);
+            const float want = needed(s, &info, limited);
             const uint32_t n_active = s->schedule.n_active;
             assert_true((float)n_active >= want && (float)n_active < want + 1.01f);
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));

@@ -8,12 +8,12 @@
 #include <string.h>
 #include "rig.h"
 
-#define FARTHER 1.25f       /* than the start, at most: a rod may turn about its axis */
-#define BODIES_MM 2.4f      /* in the mean over all views */
-#define EXPECTED_LEAST 0.5f /* of what vertices are off: their expected errors, in the mean */
-#define GROWS 1.5f          /* expected errors from one part of a cut rod to the next, farther from what is seen */
-#define ON_SHAFT 0.35f      /* expected error across a visible shaft over that along it, at most */
-#define SHEETS_MM 4.5f      /* each */
+#define FARTHER 1.25f        /* than the start, at most: a rod may turn about its axis */
+#define BODIES_MM 2.3f       /* in the mean over all views */
+#define EXPECTED_LEAST 0.45f /* of what vertices are off: their expected errors, in the mean */
+#define GROWS 1.5f           /* expected errors from one part of a cut rod to the next, farther from what is seen */
+#define ON_SHAFT 0.35f       /* expected error across a visible shaft over that along it, at most */
+#define SHEETS_MM 4.5f       /* each */
 
 enum { RINGS = 22, AROUND = 32, GRID = 25 };
 

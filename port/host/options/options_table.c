@@ -121,8 +121,7 @@ const host_option host_option_table[] = {
     {"--iterations-last", ONTO, HOST_KIND_COUNT, CONFIG(basic.iterations_last), LIBRARY, 0, NULL, 0},
     {"--active", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(basic.active_share), LIBRARY, 0, NULL, 0},
     {"--active-first", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(schedule.active_first), LIBRARY, 0, NULL, 0},
-    {"--active-enough", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(schedule.active_enough), LIBRARY, 0, NULL,
-     HOST_FOR_IMAGES},
+    {"--active-enough", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(schedule.active_enough), LIBRARY, 0, NULL, 0},
 };
 
 _Static_assert(sizeof host_option_table / sizeof host_option_table[0] <= 128, "one bit for each option");

@@ -72,14 +72,12 @@ void smr_evolve_measure(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
     const uint32_t last = smr_chunk_end(e->shared, task);
-    const int by_mean = e->shared->config.motion.plastic_by == SMR_PLASTIC_MEAN;
     float moved2 = 0.0f, sum = 0.0f;
     uint64_t hash = 0;
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec moved = smr_sub(smr_get3(x_next, v), smr_get3(x, v));
         moved2 = smr_max(moved2, smr_dot(moved, moved));
-        if (by_mean)
-            sum += SMR_SQRT(smr_dot(moved, moved));
+        sum += SMR_SQRT(smr_dot(moved, moved));
         hash += hash_point(v, smr_at3(x_next, v));
     }
     e->tally[task].evolve.moved2 = moved2;

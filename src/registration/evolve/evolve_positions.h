@@ -26,7 +26,7 @@ typedef struct smr_evolve {
     smr_tangent_smooth tangent_smooth;
     smr_tally *tally;
     float moved_mm;       /* largest displacement of the current iteration, mm */
-    float mean_mm;        /* mean displacement of the current iteration, mm; 0 unless motion.plastic_by is MEAN */
+    float mean_mm;        /* mean displacement of the current iteration, mm */
     uint64_t hash;        /* hash of the positions x_next */
     uint32_t normals_due; /* 1: normals are computed from triangles in this iteration */
 } smr_evolve;
