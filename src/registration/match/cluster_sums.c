@@ -128,7 +128,12 @@ static uint32_t chain(const smr_sums *s, piece p)
 /* Returns entry e of a piece as four words, limited to legal values in case of a fault. */
 static smr_entry32 entry_of(const smr_lists *l, const piece *p, uint32_t e)
 {
-    const smr_entry32 r = smr_entry_at(l, (size_t)p->first + e);
+    const smr_entry16 *narrow = (const smr_entry16 *)l->entry + p->first + e;
+    const smr_entry32 *wide = (const smr_entry32 *)l->entry + p->first + e;
+    const smr_entry32 r = l->index_bytes == 2u ? (smr_entry32){smr_le16(narrow->vertex), smr_le16(narrow->parent),
+                                                               smr_le16(narrow->n_plus), smr_le16(narrow->n_minus)}
+                                               : (smr_entry32){smr_le32(wide->vertex), smr_le32(wide->parent),
+                                                               smr_le32(wide->n_plus), smr_le32(wide->n_minus)};
     const uint32_t plus = smr_min_u32(r.n_plus, l->n_indexes - p->index);
     return (smr_entry32){smr_index(r.vertex, l->n), smr_min_u32(r.parent, e), plus,
                          smr_min_u32(r.n_minus, l->n_indexes - p->index - plus)};
@@ -170,7 +175,8 @@ static void add_some(const smr_sums *s, piece *p, smr_worker *w)
     for (uint32_t k = 0; w->within == 0u && k < s->words; k++)
         sum[k] = entry.parent == p->from ? 0u : s->sum[SMR_WORDS * (size_t)parent.vertex + k];
     for (uint32_t i = w->within; i < last; i++) {
-        const uint32_t v = smr_index_at(l->index, l->index_bytes, p->index + i);
+        const uint32_t at = p->index + i, v = l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->index)[at])
+                                                                   : smr_le32(((const uint32_t *)l->index)[at]);
         const uint32_t *const r = s->record + SMR_WORDS * (size_t)smr_index(v, l->n);
         for (uint32_t k = 0; smr_active(s->schedule, v) && k < s->words; k++)
             sum[k] += i < entry.n_plus ? r[k] : 0u - r[k];
