@@ -131,8 +131,8 @@ typedef struct smr_basic_config {
      * attract; surfaces of any size are accepted, clouds are refused, and the arena has no memory for attraction. */
     uint32_t attract;
     uint32_t method; /* SMR_METHOD_..., default rigid. How a cluster's rotation is computed */
-    /* iterations, [1, 100000], default 60, 20. Largest number of iterations at each radius except the last, not counting
-     * iterations that only repair folds. With an image the first of several radii has twice this number. */
+    /* iterations, [1, 100000], default 60, 20. Most iterations at each radius except the last, not counting iterations
+     * that only repair folds. With an image the first of several radii has twice this number. */
     uint32_t iterations;
     uint32_t iterations_last; /* iterations, [1, 100000], default 30, 40. Most iterations at the last radius */
     /* share, [0, 1], default 1. Share of the vertices that take part, the most important first (paper 2.2, complexity
@@ -978,7 +978,7 @@ typedef struct smr_motion_config {
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
      * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */
     float settle_um;
-    /* share, [0, 1], default 0.1, 0. A radius before the last ends, too, when the mean displacement of an iteration
+    /* share, [0, 1], default 0.12, 0. A radius before the last ends, too, when the mean displacement of an iteration
      * falls below this share of the mean distance to the goals: the clusters are then too large to follow. */
     float settle_share;
     /* 0 or 1, default 1. 1: at the last two radii folds are repaired, and displacements that would fold triangles are
