@@ -131,8 +131,8 @@ typedef struct smr_basic_config {
      * attract; surfaces of any size are accepted, clouds are refused, and the arena has no memory for attraction. */
     uint32_t attract;
     uint32_t method; /* SMR_METHOD_..., default rigid. How a cluster's rotation is computed */
-    /* iterations, [1, 100000], default 60, 20. Largest number of iterations at each radius except the last, not counting
-     * iterations that only repair folds. With an image the first of several radii has twice this number. */
+    /* iterations, [1, 100000], default 60, 20. Most iterations at each radius except the last, not counting iterations
+     * that only repair folds. With an image the first of several radii has twice this number. */
     uint32_t iterations;
     uint32_t iterations_last; /* iterations, [1, 100000], default 30, 40. Most iterations at the last radius */
     /* share, [0, 1], default 1. Share of the vertices that take part, the most important first (paper 2.2, complexity
