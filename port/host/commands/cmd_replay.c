@@ -77,9 +77,10 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     if (host_options_read(HOST_REGISTER, (int)(n + 2u), r->arguments, &r->options, error) != 0)
         return -1;
     r->options.threads = threads;
-    if (smr_log_open(r->log.log, r->log.log_bytes, &reader, &info) == SMR_OK)
-        r->options.config.partial.coverage =
-            info.config.partial.coverage; /* older logs have no word for it in their command line */
+    if (smr_log_open(r->log.log, r->log.log_bytes, &reader, &info) == SMR_OK) { /* defaults may have been others */
+        info.config.basic.n_target_vertices = r->options.config.basic.n_target_vertices; /* is counted again */
+        r->options.config = info.config;
+    }
     r->options.spline_if_better &= !r->earlier;
     r->options.truth = NULL; /* a replay measures nothing */
     r->options.log = NULL;
