@@ -117,7 +117,7 @@ static void any(const stated *t)
     unsigned char memory[PROVE_MODEL_BYTES];
     float xyz[3u * PROVE_VERTICES];
     uint32_t triangle[3u * PROVE_TRIANGLES];
-    const smr_model *m;
+    const smr_model *m = (const smr_model *)memory; /* what smr_model_open() also gives */
     smr_model_info info;
     smr_structure_info structure;
     tables(memory, t);
