@@ -135,7 +135,7 @@ help:
 	@echo 'make soak            how far ticks overrun budgets of 1 to 33 ms on this machine; asserts nothing'
 	@echo 'make size            bytes of the library, and of the smallest program with each capability left out'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
-	@echo 'make coverage        lines and branches of src that the tests run, by folder; 5 minutes'
+	@echo 'make coverage        lines, branches and MC/DC of src that the tests run, by folder; 15 minutes'
 	@echo 'make mutants         plants N=200 faults, drawn by SEED=1, and counts those that the tests find; an hour'
 	@echo 'make faults          flips N=100000 bits between ticks, drawn by SEED=1, and counts what follows; 10 minutes'
 	@echo 'make peers           other programs beside smr, elastix too, into docs/RESULTS.md; 6 minutes'
@@ -159,6 +159,7 @@ help:
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local; install-core: header and libsmr.a alone,'
 	@echo '                     for cross compilers; install-shared: the shared library'
 	@echo 'make misra           findings of MISRA C:2012 against docs/safety/MISRA.md; make analyse: GCC'"'"'s analyser'
+	@echo 'make prove           readers, indexes and sums of the core for hostile bytes, by frama-c; skipped without it'
 	@echo 'make trace           what the last make check said of each requirement of docs/safety, in $(BUILD)/TRACE.md'
 	@echo 'make dist            the sources as $(BUILD)/smr-VERSION.tar.gz, the same bytes anywhere; make sbom: its parts, SPDX'
 	@echo 'make clean           removes $(BUILD)/'
@@ -409,6 +410,7 @@ SEED ?= 1
 coverage_tools = @MAKE="$(MAKE)" python3 tests/coverage
 coverage:
 	$(coverage_tools)/coverage.py $(BUILD)
+	$(coverage_tools)/mcdc.py $(BUILD)
 
 $(BUILD)/coverage/map.json: $(CORE_SRC) $(TEST_SRC)
 	$(coverage_tools)/coverage.py $(BUILD)
@@ -511,12 +513,16 @@ install-shared: $(SHARED_LIB)
 	$(Q)$(put) shared
 
 # cppcheck with Python: half a minute of processor time. The analyser takes as long.
-.PHONY: misra analyse trace
+.PHONY: misra analyse trace prove
 misra:
 	@python3 tests/misra/misra.py $(BUILD)/misra || [ $$? -eq 77 ]
 
 analyse:
 	@sh tests/misra/analyse.sh || [ $$? -eq 77 ]
+
+# frama-c: three minutes of processor time.
+prove:
+	@BUILD="$(BUILD)" CC="$(CC)" sh tests/prove/prove.sh
 
 trace:
 	@BUILD="$(BUILD)" sh tests/check_requirements.sh --ran

@@ -78,6 +78,9 @@ TEST(refuses_null_and_misaligned)
     for (size_t off = 1; off < SMR_ALIGN; off++)
         assert_int_equal(smr_arena_start(&a, memory + off, 1024), SMR_E_ALIGN);
     assert_true(a.base == NULL && a.capacity == 7 && a.used == 7);
+    a = smr_arena_measure();
+    (void)smr_arena_take(&a, SIZE_MAX, 0); /* elements of no bytes fit in any number */
+    assert_int_equal(a.used, RED_ZONE > 0 ? SMR_ALIGN : 0);
 }
 
 /* Whatever was taken before, a size that does not fit size_t is never forgotten. */

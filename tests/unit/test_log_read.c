@@ -204,6 +204,8 @@ TEST(test_refusals)
     assert_int_equal(SMR_OK, smr_log_open(unit_recorded.log, unit_recorded.bytes, &reader, &info));
     assert_memory_equal(&info.config, &unit_recorded.config, sizeof info.config);
     assert_int_equal(unit_recorded.ball.n_vertices, info.n_vertices);
+    reader.at = reader.bytes + 1u; /* a reader that somebody moved */
+    assert_int_equal(SMR_E_LOG, smr_log_next(&reader, &r));
 }
 
 int main(void) { return suite_run(unit_log_set_up, unit_log_tidy); }
