@@ -286,7 +286,9 @@ typedef struct smr_verdict {
     float turned_deg; /* degrees, 0..180. Rotation of the model from the start; above 40 rigid kinematics is inexact */
     float bend_mm;    /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
     float scale, scale_rest; /* present size divided by the size at the start, and by the size at rest */
-    float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
+    /* ratio. Distance from the convex blends of the model's subjects / distance between subjects; -1: one subject. */
+    float subjects_ratio;
+    float moved_last_mm; /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
 
 /* Measures and judges one structure, or SMR_ALL, without a change of the result, on the port's threads. The cost is a
@@ -362,6 +364,8 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 #define SMR_REASON_UNCHECKED 32768u   /* no whole round of smr_set_scrub() since the last iteration */
+#define SMR_REASON_BOUND 65536u       /* edges were stretched beyond config.motion.strain_most */
+#define SMR_REASON_SUBJECTS 131072u   /* subjects_ratio is high */
 
 /* Writes each vertex' expected distance from its true place to mm[n_vertices], or the parts across and along the
  * true surface; one part may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
@@ -646,7 +650,7 @@ typedef struct smr_image_config {
     float nearer;   /* score per mm, [0, 1], default 0.005. Score lost per mm from the vertex: nearer places win ties */
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
     uint32_t blend; /* SMR_BLEND_..., default confidence. Weights of profile and edge goals: confidence, or 1 (paper) */
-    uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 over the last radius' second half */
+    uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 at the end, and in mere noise */
 } smr_image_config;
 
 /* Returns the defaults for images, whose goals are noisy and far: x^r is set to x less often; more iterations. */
@@ -975,6 +979,9 @@ typedef struct smr_motion_config {
      * iterations. 0: only at rest (plastic_um) or at the end of a radius, so the model springs back to its shape. */
     uint32_t plastic_every;
     uint32_t plastic_by; /* SMR_PLASTIC_..., default largest. Displacement that plastic_um bounds: largest, or mean */
+    /* share, [0, 1000], default 1.5. Edges stretched against the rest shape by more than this are shortened before x^r
+     * follows, so that a part of the strain beyond remains; the verdict tells (SMR_REASON_BOUND). 0: no bound. */
+    float strain_most;
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
      * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */
     float settle_um;

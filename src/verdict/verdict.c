@@ -39,6 +39,10 @@ const char *smr_reason_text(uint32_t bit)
         return "structures that are not good make up much of the model: look at their own verdicts";
     case SMR_REASON_RECOVERING:
         return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
+    case SMR_REASON_SUBJECTS:
+        return "the shape is unlike all subjects of the model: look whether the target is the same body and side";
+    case SMR_REASON_BOUND:
+        return "edges stretched beyond their bound: look whether the target is the same body, and at the start";
     case SMR_REASON_UNCHECKED: return "inputs were not checked for faults since the last iteration: call smr_scrub()";
     default: return "";
     }
@@ -86,6 +90,7 @@ static void conclude(const smr_judgement *j, uint32_t structure, const smr_evide
     verdict->rotation_deg = e->rotation_deg;
     verdict->bend_mm = smr_mean_of(e->bend, 0.0f);
     verdict->moved_last_mm = s->evolve.moved_mm;
+    verdict->subjects_ratio = smr_mean_of(e->strange, -1.0f);
     smr_measure_moved(j, structure, e, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
               smr_mean_of(e->strays, 0.0f));
@@ -112,10 +117,13 @@ static void judge_all(const smr_judgement *j, smr_verdict *verdict)
     }
 }
 
-/* Marks the verdict as not good while the model recovers from a jump, or has not followed the present targets yet. */
-static void note_recovering(const smr *s, smr_verdict *verdict)
+/* Marks the verdict as not good while the model recovers from a jump, or has not followed the present targets yet, and
+ * where the bound of strain held x^r back. */
+static void note_state(const smr *s, smr_verdict *verdict)
 {
     const smr_schedule *p = &s->schedule;
+    if (s->reference.strained)
+        add_doubt(verdict, SMR_REASON_BOUND);
     if (p->recovering == 1u || p->serial != p->n_set)
         add_doubt(verdict, SMR_REASON_RECOVERING);
     if ((s->scrub.what & SMR_SCRUB_INPUTS) && !s->scrub.checked)
@@ -199,7 +207,7 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
         judge_all(j, j->verdict);
     else
         conclude(j, j->asked, &j->e, j->verdict);
-    note_recovering(j->s, j->verdict);
+    note_state(j->s, j->verdict);
 }
 
 static uint32_t copy_tasks(const void *job)
@@ -223,6 +231,7 @@ static const smr_stage stages[] = {
     {smr_rest_fit_tasks, smr_rest_fit_add, smr_in_order, NULL},
     {smr_edges_tasks, smr_edges_measure, smr_in_order, NULL},
     {smr_parts_tasks, smr_parts_add, smr_parts_abreast, smr_parts_take},
+    {smr_blend_tasks, smr_blend_measure, smr_in_order, NULL},
     {smr_list_tasks, smr_list_vertices, smr_in_order, NULL},
     {smr_visible_tasks, smr_visible_find, NULL, NULL},
     {smr_distances_tasks, smr_distances_find, NULL, NULL},
