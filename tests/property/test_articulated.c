@@ -82,9 +82,11 @@ TEST(test_bends)
         const smr_port port = rig_port(RIG_SHUFFLE, 3);
         float *at = rig_alloc(12u * (size_t)rest.n_vertices), *again = rig_alloc(12u * (size_t)rest.n_vertices);
         assert_true(found(&rest, &target, &here, 0, NULL, at) == 1u);
+        assert_true(mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
         assert_true(found(&rest, &target, &here, 997u, &port, again) == 1u);
         assert_memory_equal(at, again, 12u * (size_t)rest.n_vertices);
         assert_true(found(&rest, &cut, &here, 0, NULL, at) == 1u);
+        assert_true(mean_far(at, target.xyz, rest.n_vertices) < CUT_MM);
         rig_free_all();
     }
 }
