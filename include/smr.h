@@ -581,6 +581,15 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
 smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                            void *memory, size_t bytes, smr_pose *pose, smr_align_report *report, smr_job *job);
 
+/* Finds start positions xyz[n_vertices][3], mm, for smr_set_positions(), of one surface whose parts have turned about
+ * joints, as limbs do. The target may show a part. start: a pose in which one part of the model lies about right.
+ * *bent 0: the pose explains both surfaces, or turned parts do not; xyz is unchanged. memory: SMR_ALIGN-aligned,
+ * smr_articulated_bytes(). Errors: E_NULL, E_STATE (no surface, or a cloud), E_INPUT (start), E_ALIGN, E_ARENA. */
+smr_status smr_articulated_bytes(const smr_surface *model, const smr_surface *target, size_t *bytes);
+smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *target, const smr_pose *start,
+                                 const smr_port *port, void *memory, size_t bytes, float *xyz, uint32_t *bent,
+                                 smr_job *job);
+
 /* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm. scaled 0: the pose is rigid; 1: it
  * has one scale, the ratio of the spreads. *rms_mm (may be NULL) is the rms of the remaining distances. Of several
  * best rotations (fewer than 3 pairs, or all on one line) one is returned. Errors: E_NULL, E_INPUT (a count, scaled

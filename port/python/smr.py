@@ -252,7 +252,7 @@ _CALLS = {
     "smr_surface_closest": "pppffp", "smr_surface_distances": "ppup", "smr_points_bytes": "up",
     "smr_points_open": "upzp", "smr_points_add": "ppppu",
     "smr_points_weigh": "puf", "smr_points_clear": "p", "smr_points_count": "pp", "smr_points_surface_bytes": "up",
-    "smr_points_surface": "ppzp", "smr_align_bytes": "pp", "smr_align": "ppppzpp", "smr_align_landmarks": "ppuupp",
+    "smr_points_surface": "ppzp", "smr_align_bytes": "pp", "smr_articulated_bytes": "ppp", "smr_articulated_begin": "pppppzppp", "smr_align": "ppppzpp", "smr_align_landmarks": "ppuupp",
     "smr_warp_bytes": "up", "smr_warp_fit": "ppufpzpp", "smr_warp_apply": "ppu", "smr_prepare_bytes": "pupp",
     "smr_prepare": "puppzpzp", "smr_model_open": "pzp", "smr_model_get_info": "pp", "smr_model_structure": "pup",
     "smr_model_mesh": "pupp", "smr_arena_bytes": "ppp", "smr_init": "ppppzp", "smr_set_positions": "pup",
@@ -851,6 +851,21 @@ def _align(model: Any, target: Any, parts: Sequence[Tuple[Surface, Optional[Surf
     _lib.smr_align(source._handle, onto._handle, C.byref(config), _at(scratch), len(scratch), C.byref(pose),
                    C.byref(report))
     return _pose_array(pose), report, made
+
+
+def articulated(model: Union[Model, Surface, Mesh], target: Union[Surface, Mesh], start: Any = None,
+                threads: Optional[int] = None) -> Optional[Array]:
+    """Start positions [n][3] of one surface whose parts have turned about joints, for set_positions(); None: the pose
+    start [3][4] explains both surfaces, or no turned parts do. start None: as the files lie."""
+    source, onto = _as_surface(model, "model"), _as_surface(target, "target")
+    pose = _pose_struct(np.eye(3, 4) if start is None else start)
+    pool, bent, job = _Pool(threads), _U(), (_Q * 256)()
+    scratch = _memory(_sized(_lib.smr_articulated_bytes, source._handle, onto._handle))
+    xyz = np.empty((len(source.xyz), 3), np.float32)
+    _lib.smr_articulated_begin(source._handle, onto._handle, C.byref(pose), C.addressof(pool.port), _at(scratch),
+                               len(scratch), _at(xyz), C.byref(bent), C.byref(job))
+    _lib.smr_job_step(C.byref(job), 0, None, 0)
+    return xyz if bent.value else None
 
 
 def _pairs(from_: Any, to: Any) -> Tuple[Array, Array]:

@@ -363,8 +363,8 @@ group_volume() {
 }
 
 # Hip bone, femur and patella, deformed by 3 mm with noise of 0.5 mm, the hip flexed: onto a target of each, and onto one
-# file of all. A figure of one surface with bent limbs, whole and without its upper third, has no start by parts: when
-# that ends far off, the verdict is not good.
+# file of all. A figure of one surface with bent limbs, whole and without its upper third, whose arms nothing shows: the
+# whole one is found, and the verdict is good on neither.
 group_joints() {
     need hip_thigh_vhm || return
     v=data/hip_thigh_vhm
@@ -381,13 +381,14 @@ group_joints() {
         fi
         rm -r case
     done; done
-    all || return 0
-    for degrees in 20 40 60 90; do for cut in 0 1; do
+    full || return 0
+    for degrees in $(either all '20 40 60 90' 60); do for cut in $(either all '0 1' 0); do
         row=figure:$degrees:$cut
         tool figure 1 $degrees $cut case
         register $row --model case/model/*.ply --target case/target/*.ply
         measure $row case
-        bound "$row: good beyond 3 mm" "$row.vertex>3 && $row.good" 0
+        bound "$row: good" "$row.good" 0
+        [ $cut -eq 1 ] || within $row surface 0.3 vertex 2+$degrees/9
         rm -r case
     done; done
 }

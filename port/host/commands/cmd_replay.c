@@ -19,6 +19,7 @@ typedef struct replayed {
     host_job job;
     tick_counts counts;
     char **arguments; /* owned */
+    int positions;    /* 1: start positions were set, which may depend on the start pose */
     int earlier;      /* 1: the log may be of a version that started landmarks by a spline always */
 } replayed;
 
@@ -36,6 +37,7 @@ static int count_ticks(replayed *r, host_error *error)
         status = smr_log_next(&from, &record);
         if (status != SMR_OK)
             return host_fail_at(error, "log, byte", from.at, "a whole, undamaged record (%s)", smr_status_name(status));
+        r->positions |= record.kind == SMR_LOG_POSITIONS;
         if (record.kind != SMR_LOG_TICK)
             continue;
         r->counts.ticks++;
@@ -84,7 +86,7 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     r->options.spline_if_better &= !r->earlier;
     r->options.truth = NULL; /* a replay measures nothing */
     r->options.log = NULL;
-    if (r->options.landmarks.n == 0 && r->options.align != HOST_ALIGN_PARTS)
+    if (r->options.landmarks.n == 0 && !r->positions)
         r->options.align = HOST_ALIGN_NONE; /* the pose is in the log */
     return 0;
 }

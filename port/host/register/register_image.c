@@ -259,7 +259,7 @@ int host_job_warp(host_job *job, host_error *error)
 {
     float *xyz = NULL;
     if (job->warp == NULL && job->part == NULL)
-        return 0;
+        return host_job_bend(job, error);
     error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0]
                   : job->part != NULL           ? "--align"
                                                 : "landmarks";

@@ -180,7 +180,7 @@ typedef struct host_job {
     smr_align_part *part;                   /* [model.n_parts] with --align parts; surfaces are gone; owned; or NULL */
     smr_warp *warp;                         /* of the landmarks; lies in warp_memory; NULL without landmarks */
     void *warp_memory;                      /* owned */
-    float *start_xyz;                       /* [all vertices][3], start positions by landmarks; owned; NULL without */
+    float *start_xyz;                       /* [all vertices][3], of landmarks or parts; owned; NULL without */
     uint32_t n_landmarks, warp_kind;        /* SMR_WARP_... */
     char landmark_doubt[HOST_REASON_BYTES]; /* what is wrong with the landmarks; empty when nothing is */
     host_landmark_goals *goals;             /* owned; NULL without --landmark-goals */
@@ -248,6 +248,7 @@ int host_job_place(host_job *job, host_error *error);
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
 int host_job_place_by_goals(host_job *job, host_error *error); /* the pose, fitted to the landmark goals */
 int host_job_warp(host_job *job, host_error *error);           /* start positions; needs the prepared model */
+int host_job_bend(host_job *job, host_error *error); /* start positions of limbs; none: as the start pose has them */
 int host_job_make_surfaces(host_job *job, host_error *error);
 
 /* Sets every structure's start positions from the landmarks. */

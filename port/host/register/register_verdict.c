@@ -97,6 +97,9 @@ static void judge_start(const host_job *job, host_verdict *verdict)
                          "the result lies %.0f mm from where the landmarks put the model: look at their places",
                          moved_mm(job));
     judge_align(&job->align_report, verdict);
+    if (job->start_xyz != NULL && job->part == NULL && job->n_landmarks == 0)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "parts of the model have turned about joints: look at each, and at those the target lacks");
     for (uint32_t i = 0; i < job->model.n_parts && job->part != NULL; i++)
         if (job->result[i].target != HOST_NO_TARGET && job->part[i].order > 0 && job->part[i].report.n_alike == 0)
             host_verdict_add(verdict, HOST_VERDICT_LOOK,

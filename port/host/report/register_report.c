@@ -24,7 +24,8 @@ static void put_kind(const host_job *job, host_json *json)
     if (job->n_landmarks > 0)
         (void)snprintf(text, sizeof text, "landmarks %s", host_warp_name(job->warp_kind));
     else
-        (void)snprintf(text, sizeof text, "%s", poses[job->options->align]);
+        (void)snprintf(text, sizeof text, "%s%s", poses[job->options->align],
+                       job->start_xyz != NULL && job->part == NULL ? ", articulated" : "");
     host_json_text(json, "start_kind", text);
 }
 

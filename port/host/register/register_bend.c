@@ -1,0 +1,62 @@
+/* register_bend.c: start positions of a model of one structure whose parts have turned about joints.
+ * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
+#include <string.h>
+#include "base/system.h"
+#include "register/register_job.h"
+
+/* Finds start positions from a pose: xyz is written, and *bent 1, where parts have turned. */
+static smr_status bend_from(const host_job *job, const smr_surface *model, const smr_surface *target,
+                            const smr_pose *pose, float *xyz, uint32_t *bent)
+{
+    size_t bytes = 0;
+    smr_job call;
+    smr_status status = smr_articulated_bytes(model, target, &bytes);
+    void *const memory = status == SMR_OK ? host_alloc(bytes) : NULL;
+    if (status == SMR_OK)
+        status = memory == NULL
+                     ? SMR_E_ARENA
+                     : smr_articulated_begin(model, target, pose, &job->port.port, memory, bytes, xyz, bent, &call);
+    if (status == SMR_OK)
+        status = smr_job_step(&call, 0, NULL, 0);
+    free(memory);
+    return status;
+}
+
+/* Returns 1 for one structure with triangles and a target with triangles, and no start by landmarks. */
+static int may_bend(const host_job *job)
+{
+    return job->model.n_parts == 1 && job->model.part[0].mesh.n_triangles > 0 && !job->options->image_target &&
+           job->n_targets == 1 && job->target[0].surface != NULL && job->n_landmarks == 0 && job->goals == NULL &&
+           job->options->resume == NULL;
+}
+
+int host_job_bend(host_job *job, host_error *error)
+{
+    const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const int aligned = job->options->align != HOST_ALIGN_NONE;
+    uint32_t bent = 0, kept = 0;
+    void *surface_memory = NULL;
+    if (!may_bend(job))
+        return 0;
+    const uint32_t n = job->model.part[0].mesh.n_vertices;
+    float *const rest = malloc(3u * sizeof *rest * n);
+    float *const xyz = malloc(3u * sizeof *xyz * n);
+    smr_status status = rest == NULL || xyz == NULL ? SMR_E_ARENA : smr_model_mesh(job->model.model, 0, rest, NULL);
+    smr_mesh mesh = host_mesh_view(&job->model.part[0].mesh);
+    mesh.xyz = rest; /* as prepared, so that a .smr and the surfaces it was built from give the same bits */
+    const smr_surface *const model = status == SMR_OK ? host_surface_make(&mesh, &surface_memory) : NULL;
+    const smr_surface *const target = job->target[0].surface;
+    if (status == SMR_OK)
+        status = model == NULL ? SMR_E_ARENA : bend_from(job, model, target, aligned ? &job->pose : &here, xyz, &bent);
+    if (status == SMR_OK && aligned && bent) /* the place where the files have the model counts first */
+        status = bend_from(job, model, target, &here, xyz, &kept);
+    free(surface_memory);
+    free(rest);
+    if (bent && status == SMR_OK)
+        job->start_xyz = xyz;
+    else
+        free(xyz);
+    error->file = "--model";
+    return status == SMR_OK ? 0 : host_fail(error, "start pose", "free memory (%s)", smr_status_name(status));
+}

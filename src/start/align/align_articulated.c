@@ -1,0 +1,331 @@
+/* align_articulated.c: start positions of one surface whose parts have turned about joints, as limbs do.
+ * Method: about 1200 patches of the model each have a rigid motion, as in embedded deformation (Sumner, Schmid and
+ * Pauly 2007). The seed is the patch around which the start pose fits best. Ring after ring of neighbours joins with
+ * the motion of the patch before; in the rounds of each step all patches follow closest points and each other. A patch
+ * follows a point only where the target faces as the patch does, where a neighbour has found the target, and where no
+ * patch elsewhere on the model lies nearer: limbs side by side stay apart, and what the target lacks is carried along.
+ * The result is taken when it explains both surfaces much better than the start pose, and most of one of them.
+ * Bounds: rounds * steps searches from each patch; a step is a ring of patches around the seed.
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align_patches.h"
+
+#define SMR_BENT_CELLS 1200.0f    /* area of the model / squared radius of a cell */
+#define SMR_BENT_ROUNDS 20u       /* number of rounds in a step */
+#define SMR_BENT_LIMIT 0.12f      /* distance at which a place costs 1 / spread of the model */
+#define SMR_BENT_DEAR 0.3f        /* smallest cost of the start pose on both sides with which parts are bent */
+#define SMR_BENT_LOST 0.75f       /* cost on both sides above which the start pose is no start */
+#define SMR_BENT_CHEAPER 0.5f     /* largest cost of a result / cost of the start pose */
+#define SMR_BENT_UNEXPLAINED 0.2f /* largest cost of the side that a result explains better */
+
+#define SMR_BENT_PIECE 512u /* vertices, triangles or visits in a task */
+#define SMR_BENT_PATCHES 4u /* patches or cells in a task */
+#define SMR_BENT_MOVED 32u  /* vertices that a task moves */
+
+typedef struct bent_job {
+    smr_job_head head;
+    smr_bent *w;
+    uint32_t changes; /* sum of the surfaces' smr_surface.changes at the begin */
+} bent_job;
+
+_Static_assert(sizeof(bent_job) <= SMR_JOB_BYTES, "a call in progress is found by the caller's job");
+
+static void layout(smr_arena *arena, const smr_surface *model, const smr_surface *target, smr_bent **work, smr_bent *w)
+{
+    *work = smr_arena_take(arena, 1, sizeof **work);
+    w->patch = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->patch);
+    w->owner = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->owner);
+    for (uint32_t i = 0; i < SMR_SIDES; i++) {
+        w->d2[i] = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->d2[i]);
+        w->side[i].surface = i == SMR_MODEL ? model : target;
+        smr_cells_layout(arena, &w->side[i]);
+    }
+}
+
+/* Stages that others go back or on to. */
+enum { SMR_BENT_DIVIDE = 1, SMR_BENT_FIND = 4, SMR_BENT_MEASURE = 8, SMR_BENT_MOVE = 11, SMR_BENT_END };
+
+static smr_bent *work_of(const void *job) { return ((const bent_job *)job)->w; }
+static uint32_t patch_tasks(const void *job) { return smr_ceil_div(work_of(job)->side[SMR_MODEL].n, SMR_BENT_PATCHES); }
+
+static smr_piece patches_of(const smr_bent *w, uint32_t task)
+{
+    return smr_piece_of(task, SMR_BENT_PATCHES, w->side[SMR_MODEL].n);
+}
+
+/* ---- cells and patches ---- */
+
+static uint32_t items_of(const smr_cells *c)
+{
+    return smr_max_u32(c->surface->n_vertices, c->surface->tree.n_triangles);
+}
+static uint32_t item_tasks(const void *job)
+{
+    const smr_cells *side = work_of(job)->side;
+    return smr_ceil_div(smr_max_u32(items_of(&side[SMR_MODEL]), items_of(&side[SMR_TARGET])), SMR_BENT_PIECE);
+}
+
+static void chain(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    for (uint32_t i = 0; i < SMR_SIDES; i++) {
+        const smr_cells *c = &work_of(job)->side[i];
+        const smr_piece piece = smr_piece_of(task, SMR_BENT_PIECE, c->surface->tree.n_triangles);
+        smr_cells_chain(c, piece.first, piece.last);
+    }
+}
+
+static void divide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    smr_cells *const side = j->w->side;
+    int more = 1;
+    for (uint32_t i = 0; i < SMR_BENT_PIECE && more; i++)
+        more = smr_cells_divide(&side[SMR_MODEL]) || smr_cells_divide(&side[SMR_TARGET]);
+    if (more)
+        j->head.next_stage = SMR_BENT_DIVIDE;
+    else if (side[SMR_MODEL].n == 0u || smr_max_u32(side[SMR_MODEL].n, side[SMR_TARGET].n) > SMR_CELLS_MOST)
+        j->head.next_stage = SMR_BENT_END;
+}
+
+static void link_patches(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_bent *w = work_of(job);
+    const smr_piece piece = smr_piece_of(task, SMR_BENT_PIECE, w->side[SMR_MODEL].surface->tree.n_triangles);
+    for (uint32_t i = 0; i < SMR_SIDES; i++) {
+        const smr_piece vertices = smr_piece_of(task, SMR_BENT_PIECE, w->side[i].surface->n_vertices);
+        smr_patches_areas(&w->side[i], vertices.first, vertices.last);
+    }
+    smr_patches_link(w, piece.first, piece.last);
+}
+
+static void set_patches(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_piece piece = patches_of(work_of(job), task);
+    for (uint32_t i = piece.first; i < piece.last; i++)
+        smr_patch_set(work_of(job), i);
+}
+
+/* ---- rounds ---- */
+
+static void find_goals(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_piece piece = patches_of(work_of(job), task);
+    for (uint32_t i = piece.first; i < piece.last; i++)
+        smr_patch_find(work_of(job), &work_of(job)->patch[i]);
+}
+
+static void own_cells(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    const smr_bent *w = j->w;
+    smr_patches_own(w);
+    if (w->step == 0u || (!w->joining && w->round == SMR_BENT_ROUNDS)) /* the start pose, or the result, stands */
+        j->head.next_stage = SMR_BENT_MEASURE;
+}
+
+static void fit_motions(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_piece piece = patches_of(work_of(job), task);
+    for (uint32_t i = piece.first; i < piece.last; i++)
+        smr_patch_fit(work_of(job), &work_of(job)->patch[i]);
+}
+
+/* After the rounds of a step the neighbours of all patches join. */
+static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    smr_bent *w = j->w;
+    j->head.next_stage = SMR_BENT_FIND;
+    if (++w->round < SMR_BENT_ROUNDS || !w->joining)
+        return;
+    w->step++;
+    w->round = w->joining = 0;
+    for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
+        smr_patch *const p = &w->patch[i];
+        for (uint32_t k = 0; k < p->n_links && p->joined == 0u; k++) {
+            const smr_patch *q = &w->patch[p->link[k]];
+            if (q->joined == 0u || q->joined == w->step)
+                continue;
+            p->motion = q->motion;
+            p->joined = w->step;
+            w->joining = 1;
+        }
+    }
+}
+
+/* ---- measures of the start pose and of the result ---- */
+
+static uint32_t measure_tasks(const void *job)
+{
+    const smr_bent *w = work_of(job);
+    return smr_ceil_div(smr_max_u32(w->side[SMR_MODEL].n, w->side[SMR_TARGET].n), SMR_BENT_PATCHES);
+}
+
+static void measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_bent *w = work_of(job);
+    const smr_cells *t = &w->side[SMR_TARGET];
+    const smr_piece model = patches_of(w, task), target = smr_piece_of(task, SMR_BENT_PATCHES, t->n);
+    for (uint32_t i = model.first; i < model.last; i++)
+        w->d2[SMR_MODEL][i] = w->patch[i].weight > 0.0f ? w->patch[i].d2 : FLT_MAX;
+    for (uint32_t i = target.first; i < target.last; i++) {
+        const uint32_t v = t->cell[i].middle;
+        w->d2[SMR_TARGET][i] = smr_patches_distance2(w, smr_get3(t->surface->xyz, v), smr_get3(t->surface->normal, v));
+    }
+}
+
+/* Sets the distance at which a place costs 1, from the spread of the model in the start pose. */
+static void set_limit(smr_bent *w)
+{
+    const smr_cells *m = &w->side[SMR_MODEL];
+    smr_vec sum = smr_v(0, 0, 0);
+    float squares = 0.0f, all = 0.0f;
+    for (uint32_t i = 0; i < m->n; i++) {
+        const smr_vec d = smr_sub(w->patch[i].rest, w->patch[0].rest);
+        sum = smr_add(sum, smr_scale(d, m->cell[i].area));
+        squares += smr_dot(d, d) * m->cell[i].area;
+        all += m->cell[i].area;
+    }
+    const smr_vec mean = smr_scale(sum, 1.0f / all);
+    w->limit2 = SMR_BENT_LIMIT * SMR_BENT_LIMIT * smr_positive(squares / all - smr_dot(mean, mean)) + FLT_MIN;
+}
+
+/* Returns the cost of a cell, 0..1. */
+static float cost_of(const smr_bent *w, uint32_t side, uint32_t i) { return smr_min(1.0f, w->d2[side][i] / w->limit2); }
+
+/* Decides on the start pose, or on the result. */
+static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    smr_bent *w = j->w;
+    float cost[SMR_SIDES];
+    if (w->step == 0u)
+        set_limit(w);
+    for (uint32_t side = 0; side < SMR_SIDES; side++) {
+        float sum = 0.0f, all = 0.0f;
+        for (uint32_t i = 0; i < w->side[side].n; i++) {
+            sum += cost_of(w, side, i) * w->side[side].cell[i].area;
+            all += w->side[side].cell[i].area;
+        }
+        cost[side] = sum / all;
+    }
+    const float least = smr_min(cost[SMR_MODEL], cost[SMR_TARGET]);
+    const float both = smr_cost_of_sides(cost[SMR_MODEL], cost[SMR_TARGET]);
+    if (w->step == 0u) {
+        w->before = both;
+        if (least < SMR_BENT_DEAR || least > SMR_BENT_LOST)
+            j->head.next_stage = SMR_BENT_END;
+        return;
+    }
+    *w->bent = both <= SMR_BENT_CHEAPER * w->before && least <= SMR_BENT_UNEXPLAINED;
+    j->head.next_stage = *w->bent ? SMR_BENT_MOVE : SMR_BENT_END;
+}
+
+/* Chooses the seed, around which the start pose costs least. */
+static void seed(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    smr_bent *w = j->w;
+    const smr_patch *best = w->patch;
+    float least = FLT_MAX;
+    for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
+        smr_patch *const p = &w->patch[i];
+        float sum = 0.0f;
+        for (uint32_t k = 0; k < p->n; k++)
+            sum += cost_of(w, SMR_MODEL, p->member[k]);
+        best = sum < least * (float)p->n ? p : best;
+        least = smr_min(least, sum / (float)p->n);
+        p->joined = p->found = 0;
+    }
+    for (uint32_t k = 0; k < best->n; k++)
+        w->patch[best->member[k]].joined = w->patch[best->member[k]].found = 1;
+    w->step = w->joining = 1;
+    w->round = 0;
+    j->head.next_stage = SMR_BENT_FIND;
+}
+
+static uint32_t move_tasks(const void *job)
+{
+    return smr_ceil_div(work_of(job)->side[SMR_MODEL].surface->n_vertices, SMR_BENT_MOVED);
+}
+
+static void move(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_bent *w = work_of(job);
+    const smr_cells *m = &w->side[SMR_MODEL];
+    const smr_piece piece = smr_piece_of(task, SMR_BENT_MOVED, m->surface->n_vertices);
+    for (uint32_t v = piece.first; v < piece.last; v++) {
+        const smr_vec rest = smr_pose_apply(&w->start, smr_get3(m->surface->xyz, v));
+        const smr_vec at = m->of[v] == SMR_NONE ? rest : smr_patch_place(w, &w->patch[m->of[v]], rest);
+        smr_put3(w->xyz, v, smr_add(at, w->side[SMR_TARGET].surface->origin));
+    }
+}
+
+static const smr_stage stages[] = {
+    {item_tasks, chain, smr_in_order, NULL},
+    {NULL, divide, NULL, NULL},
+    {item_tasks, link_patches, smr_in_order, NULL},
+    {patch_tasks, set_patches, NULL, NULL},
+    {patch_tasks, find_goals, NULL, NULL},
+    {NULL, own_cells, NULL, NULL},
+    {patch_tasks, fit_motions, NULL, NULL},
+    {NULL, end_round, NULL, NULL},
+    {measure_tasks, measure, NULL, NULL},
+    {NULL, decide, NULL, NULL},
+    {NULL, seed, NULL, NULL},
+    {move_tasks, move, NULL, NULL},
+};
+
+static int is_mesh(const smr_surface *s) { return smr_surface_valid(s) && !smr_is_cloud(s); }
+
+static int is_unchanged(void *job, int enter)
+{
+    const bent_job *j = job;
+    const smr_surface *a = j->w->side[SMR_MODEL].surface, *b = j->w->side[SMR_TARGET].surface;
+    return !enter || (is_mesh(a) && is_mesh(b) && a->changes + b->changes == j->changes);
+}
+
+smr_status smr_articulated_bytes(const smr_surface *model, const smr_surface *target, size_t *bytes)
+{
+    smr_arena arena = smr_arena_measure();
+    smr_bent w, *work;
+    if (model == NULL || target == NULL || bytes == NULL)
+        return SMR_E_NULL;
+    if (!is_mesh(model) || !is_mesh(target))
+        return SMR_E_STATE;
+    layout(&arena, model, target, &work, &w);
+    *bytes = arena.used;
+    return SMR_OK;
+}
+
+smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *target, const smr_pose *start,
+                                 const smr_port *port, void *memory, size_t bytes, float *xyz, uint32_t *bent,
+                                 smr_job *job)
+{
+    bent_job *const j = (bent_job *)(void *)job;
+    smr_arena arena;
+    smr_bent w = {.xyz = xyz, .bent = bent};
+    if (model == NULL || target == NULL || start == NULL || xyz == NULL || bent == NULL || job == NULL)
+        return SMR_E_NULL;
+    if (!is_mesh(model) || !is_mesh(target))
+        return SMR_E_STATE;
+    if (!smr_pose_legal(start))
+        return SMR_E_INPUT;
+    SMR_TRY(smr_arena_start(&arena, memory, bytes));
+    memset(j, 0, sizeof *j);
+    layout(&arena, model, target, &j->w, &w);
+    if (arena.used > bytes)
+        return SMR_E_ARENA;
+    memset(w.patch, 0, SMR_CELLS_MOST * sizeof *w.patch);
+    for (uint32_t i = 0; i < SMR_SIDES; i++)
+        smr_cells_start(&w.side[i]);
+    w.start = *start;
+    smr_pose_through(&w.start, smr_v(0, 0, 0), smr_sub(smr_pose_apply(start, model->origin), target->origin));
+    w.side[SMR_MODEL].radius = SMR_SQRT(model->area_mean * (float)model->n_used / SMR_BENT_CELLS);
+    w.side[SMR_TARGET].radius = w.radius = w.side[SMR_MODEL].radius * smr_pose_scale(start);
+    *bent = 0;
+    *j->w = w;
+    j->head = smr_job_begin(stages, sizeof stages / sizeof stages[0], port);
+    j->head.guard = is_unchanged;
+    j->changes = model->changes + target->changes;
+    return SMR_OK;
+}

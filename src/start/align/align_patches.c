@@ -1,0 +1,159 @@
+/* align_patches.c: patches of a model that follow a target together, each by a rigid motion, as in embedded deformation
+ * (Sumner, Schmid and Pauly 2007): the place of a point is a mean over the motions of the patches around it.
+ * Bounds: a search of SMR_BENT_NODES nodes from a patch; a fit takes at most SMR_BENT_MEMBERS pairs.
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align_patches.h"
+
+#define SMR_BENT_REACH 3.0f     /* search range / radius of a cell */
+#define SMR_BENT_NODES 400u     /* largest number of nodes that a search opens */
+#define SMR_BENT_COS 0.8f       /* smallest cosine between the normals of a patch and of its closest point */
+#define SMR_BENT_COVER_COS 0.3f /* the same of a cell of the target and of the patch that covers it */
+#define SMR_BENT_BESIDE 1.5f    /* distance beside the middle of a patch up to which it covers / radius of a cell */
+#define SMR_BENT_KEEP 0.05f     /* weight of the present place of a patch relative to that of a near goal */
+
+/* Adds i to a list without i that is not full. */
+static void add_once(uint32_t *list, uint32_t *n, uint32_t most, uint32_t i)
+{
+    for (uint32_t k = 0; k < *n; k++)
+        if (list[k] == i)
+            return;
+    if (*n < most)
+        list[(*n)++] = i;
+}
+
+void smr_patches_areas(const smr_cells *c, uint32_t first, uint32_t last)
+{
+    for (uint32_t v = first; v < last; v++)
+        if (c->of[v] != SMR_NONE)
+            c->cell[c->of[v]].area += c->surface->area[v];
+}
+
+void smr_patches_link(const smr_bent *w, uint32_t first, uint32_t last)
+{
+    const smr_cells *m = &w->side[SMR_MODEL];
+    for (uint32_t k = 3u * first; k < 3u * last; k++) {
+        const uint32_t *t = m->surface->triangle, a = m->of[t[k]], b = m->of[t[k % 3u < 2u ? k + 1u : k - 2u]];
+        if (a == b || a == SMR_NONE || b == SMR_NONE)
+            continue;
+        add_once(w->patch[a].link, &w->patch[a].n_links, SMR_BENT_LINKS, b);
+        add_once(w->patch[b].link, &w->patch[b].n_links, SMR_BENT_LINKS, a);
+    }
+}
+
+void smr_patch_set(const smr_bent *w, uint32_t i)
+{
+    static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const smr_cells *m = &w->side[SMR_MODEL];
+    smr_patch *const p = &w->patch[i];
+    p->rest = smr_pose_apply(&w->start, smr_get3(m->surface->xyz, m->cell[i].middle));
+    p->normal = smr_unit(smr_pose_turn(&w->start, smr_get3(m->surface->normal, m->cell[i].middle)));
+    p->motion = identity;
+    p->joined = 1;
+    add_once(p->member, &p->n, SMR_BENT_MEMBERS, i);
+    for (uint32_t ring = 0, k = 0; ring < 2u; ring++)
+        for (const uint32_t end = p->n; k < end; k++) {
+            const smr_patch *q = &w->patch[p->member[k]];
+            for (uint32_t l = 0; l < q->n_links; l++)
+                add_once(p->member, &p->n, SMR_BENT_MEMBERS, q->link[l]);
+        }
+}
+
+/* Returns the weight of a patch at a place of the start pose. */
+static float share_at(const smr_bent *w, const smr_patch *p, smr_vec rest)
+{
+    const smr_vec d = smr_scale(smr_sub(rest, p->rest), 1.0f / (3.0f * w->radius));
+    const float near = smr_positive(1.0f - smr_dot(d, d));
+    return near * near + 0.01f;
+}
+
+smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest)
+{
+    smr_vec sum = smr_v(0, 0, 0);
+    float all = 0.0f;
+    for (uint32_t k = 0; k < p->n; k++) {
+        const smr_patch *q = &w->patch[p->member[k]];
+        const float share = q->joined > 0u ? share_at(w, q, rest) : 0.0f;
+        sum = smr_add(sum, smr_scale(smr_pose_apply(&q->motion, rest), share));
+        all += share;
+    }
+    return smr_scale(sum, 1.0f / all);
+}
+
+/* Returns 1 when the patch may follow a point on its cell of the target: a neighbour is there, and no other part. */
+static int may_follow(const smr_bent *w, const smr_patch *p)
+{
+    int near = p->found != 0u, owned = w->owner[p->on] == SMR_NONE;
+    for (uint32_t k = 0; k < p->n_links && !near; k++)
+        near = w->patch[p->link[k]].found != 0u;
+    for (uint32_t k = 0; k < p->n && !owned; k++)
+        owned = p->member[k] == w->owner[p->on];
+    return w->step == 0u || (near && owned);
+}
+
+void smr_patch_find(const smr_bent *w, smr_patch *p)
+{
+    const smr_surface *s = w->side[SMR_TARGET].surface;
+    const float range2 = SMR_BENT_REACH * SMR_BENT_REACH * w->radius * w->radius;
+    p->weight = 0.0f;
+    p->d2 = FLT_MAX;
+    p->on = SMR_NONE;
+    if (p->joined == 0u)
+        return;
+    p->at = smr_patch_place(w, p, p->rest);
+    const smr_query q = {p->at, smr_pose_turn(&p->motion, p->normal), SMR_BENT_COS, SMR_BENT_NODES, SMR_NONE};
+    smr_hit hit = {range2, SMR_NONE, {0, 0, 0}};
+    smr_surface_search(s, NULL, &q, &hit);
+    if (hit.triangle == SMR_NONE || (s->open && smr_surface_on_border(s, hit.triangle, hit.weight)))
+        return;
+    p->d2 = hit.d2;
+    p->on = w->side[SMR_TARGET].of[s->triangle[3u * (size_t)hit.triangle]];
+    p->goal = smr_triangle_point(&s->tree, hit.triangle, hit.weight);
+    const float half = 1.0f / (1.0f + hit.d2 / range2);
+    p->weight = p->on != SMR_NONE && may_follow(w, p) ? half * half : 0.0f;
+}
+
+void smr_patches_own(const smr_bent *w)
+{
+    for (uint32_t i = 0; i < w->side[SMR_TARGET].n; i++)
+        w->owner[i] = SMR_NONE;
+    for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
+        const smr_patch *p = &w->patch[i];
+        if (p->on != SMR_NONE && (w->owner[p->on] == SMR_NONE || p->d2 < w->patch[w->owner[p->on]].d2))
+            w->owner[p->on] = i;
+    }
+}
+
+void smr_patch_fit(const smr_bent *w, smr_patch *p)
+{
+    smr_fit fit;
+    if (p->joined == 0u)
+        return;
+    p->found = p->weight > 0.0f;
+    smr_fit_start(&fit, p->rest, p->at);
+    for (uint32_t k = 0; k < p->n; k++) {
+        const smr_patch *q = &w->patch[p->member[k]];
+        const smr_vec at = q->joined > 0u ? q->at : smr_pose_apply(&p->motion, q->rest);
+        const float all = q->weight + SMR_BENT_KEEP;
+        const smr_vec to = smr_add(smr_scale(at, SMR_BENT_KEEP / all), smr_scale(q->goal, q->weight / all));
+        smr_fit_add(&fit, q->rest, to, share_at(w, q, p->rest) * all);
+    }
+    p->motion = smr_fit_solve(&fit, 0);
+}
+
+float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal)
+{
+    float least = FLT_MAX, up = 0.0f;
+    for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
+        const smr_patch *p = &w->patch[i];
+        const smr_vec d = smr_sub(at, p->at);
+        if (p->joined == 0u || smr_dot(d, d) >= least)
+            continue;
+        const smr_vec facing = smr_pose_turn(&p->motion, p->normal);
+        if (smr_dot(facing, normal) < SMR_BENT_COVER_COS)
+            continue;
+        least = smr_dot(d, d);
+        up = smr_dot(facing, d);
+    }
+    const float beside = SMR_SQRT(smr_positive(least - up * up)) - SMR_BENT_BESIDE * w->radius;
+    return up * up + smr_positive(beside) * smr_positive(beside);
+}

@@ -1,0 +1,63 @@
+/* align_patches.h: patches of a model, each with a rigid motion, that follow a target together.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_ALIGN_PATCHES_H
+#define SMR_ALIGN_PATCHES_H
+
+#include "geometry/surface/surface_cells.h"
+#include "start/align/align.h"
+
+#define SMR_BENT_LINKS 10u   /* largest number of neighbours of a patch */
+#define SMR_BENT_MEMBERS 32u /* largest number of members of a patch */
+
+/* A patch: the rigid motion of a cell of the model. Places are mm from the target's origin. */
+typedef struct smr_patch {
+    smr_vec rest, normal;              /* middle and unit normal of the cell in the start pose */
+    smr_pose motion;                   /* from the start pose */
+    smr_vec at;                        /* present place of the middle, by the motions of all members */
+    smr_vec goal;                      /* closest point of the target */
+    float weight;                      /* weight of the goal, 0..1; 0: none */
+    float d2;                          /* squared distance to the closest point, mm^2; FLT_MAX: none */
+    uint32_t on;                       /* the target's cell with the closest point; SMR_NONE: none */
+    uint32_t joined;                   /* step in which the patch joined; 0: not yet */
+    uint32_t found;                    /* 1: the goal of the round before had a weight */
+    uint32_t n_links;                  /* number of neighbours */
+    uint32_t link[SMR_BENT_LINKS];     /* [n_links] patches whose cells share an edge with this one */
+    uint32_t n;                        /* number of members */
+    uint32_t member[SMR_BENT_MEMBERS]; /* [n] the patch itself, its neighbours and theirs */
+} smr_patch;
+
+/* State of a call, in the caller's memory. */
+typedef struct smr_bent {
+    smr_cells side[SMR_SIDES];
+    smr_patch *patch;     /* [SMR_CELLS_MOST] */
+    uint32_t *owner;      /* [SMR_CELLS_MOST] the patch that is nearest on each cell of the target; SMR_NONE: none */
+    float *d2[SMR_SIDES]; /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2 */
+    smr_pose start;       /* start pose between coordinates relative to the surfaces' origins */
+    float radius;         /* of cells, mm of the target */
+    float limit2;         /* squared distance at which a place costs 1, mm^2 */
+    float before;         /* cost of the start pose */
+    uint32_t step;        /* 0: the start pose is measured */
+    uint32_t round;       /* rounds done in this step */
+    uint32_t joining;     /* 1: patches have joined in this step */
+    float *xyz;           /* the caller's */
+    uint32_t *bent;       /* the caller's */
+} smr_bent;
+
+/* Adds the areas of some vertices to their cells; links patches whose cells share an edge of some triangles. */
+void smr_patches_areas(const smr_cells *c, uint32_t first, uint32_t last);
+void smr_patches_link(const smr_bent *w, uint32_t first, uint32_t last);
+
+/* Puts a patch into the start pose and lists its members. */
+void smr_patch_set(const smr_bent *w, uint32_t i);
+/* Returns the place of a point of a patch by the motions of all members that have joined; rest: in the start pose. */
+smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest);
+/* Finds a patch's present place, and its closest point with a weight. */
+void smr_patch_find(const smr_bent *w, smr_patch *p);
+/* Gives each cell of the target to the patch whose closest point there is nearest. */
+void smr_patches_own(const smr_bent *w);
+/* Fits the motion to goals and present places of members. Members that have not joined keep the patch in place. */
+void smr_patch_fit(const smr_bent *w, smr_patch *p);
+/* Returns the squared distance of a point from the tangent plane of the nearest patch that faces as `normal`, mm^2. */
+float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal);
+
+#endif
