@@ -362,6 +362,7 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 #define SMR_REASON_UNCHECKED 32768u   /* no whole round of smr_set_scrub() since the last iteration */
+#define SMR_REASON_BOUND 65536u       /* edges were stretched beyond config.motion.strain_most */
 
 /* Writes each vertex' expected distance from its true place to mm[n_vertices], or the parts across and along the
  * true surface; one part may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */
@@ -646,7 +647,7 @@ typedef struct smr_image_config {
     float nearer;   /* score per mm, [0, 1], default 0.005. Score lost per mm from the vertex: nearer places win ties */
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
     uint32_t blend; /* SMR_BLEND_..., default confidence. Weights of profile and edge goals: confidence, or 1 (paper) */
-    uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 over the last radius' second half */
+    uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 at the end, and in mere noise */
 } smr_image_config;
 
 /* Returns the defaults for images, whose goals are noisy and far: x^r is set to x less often; more iterations. */
@@ -975,6 +976,9 @@ typedef struct smr_motion_config {
      * iterations. 0: only at rest (plastic_um) or at the end of a radius, so the model springs back to its shape. */
     uint32_t plastic_every;
     uint32_t plastic_by; /* SMR_PLASTIC_..., default largest. Displacement that plastic_um bounds: largest, or mean */
+    /* share, [0, 1000], default 1.5. Edges stretched against the rest shape by more than this are shortened before x^r
+     * follows, so that a part of the strain beyond remains; the verdict tells (SMR_REASON_BOUND). 0: no bound. */
+    float strain_most;
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
      * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */
     float settle_um;

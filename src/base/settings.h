@@ -7,6 +7,7 @@
 #include "base/base.h"
 
 #define SMR_PRIOR 300.0f /* default of the setting references.prior */
+#define SMR_STRAIN 1.5f  /* default of the setting motion.strain_most */
 
 enum { SMR_ENDS_CLOSED = 0, SMR_ENDS_OPEN, SMR_ENDS_OR_ZERO };
 

@@ -34,4 +34,8 @@ void smr_plastic_update(smr *s);     /* sets x^r to x; smr_plastic_normals() mus
 void smr_plastic_positions(smr_shape *shape);
 void smr_plastic_normals(smr_shape *shape);
 
+/* strain_bound.c. Step, one task after the other: shortens edges of the next positions that are beyond the bound. */
+smr_count_tasks smr_strain_tasks;
+smr_run_task smr_strain_limit;
+
 #endif

@@ -39,6 +39,8 @@ const char *smr_reason_text(uint32_t bit)
         return "structures that are not good make up much of the model: look at their own verdicts";
     case SMR_REASON_RECOVERING:
         return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
+    case SMR_REASON_BOUND:
+        return "edges stretched beyond their bound: look whether the target is the same body, and at the start";
     case SMR_REASON_UNCHECKED: return "inputs were not checked for faults since the last iteration: call smr_scrub()";
     default: return "";
     }
@@ -112,10 +114,13 @@ static void judge_all(const smr_judgement *j, smr_verdict *verdict)
     }
 }
 
-/* Marks the verdict as not good while the model recovers from a jump, or has not followed the present targets yet. */
-static void note_recovering(const smr *s, smr_verdict *verdict)
+/* Marks the verdict as not good while the model recovers from a jump, or has not followed the present targets yet, and
+ * where the bound of strain held x^r back. */
+static void note_state(const smr *s, smr_verdict *verdict)
 {
     const smr_schedule *p = &s->schedule;
+    if (s->reference.strained)
+        add_doubt(verdict, SMR_REASON_BOUND);
     if (p->recovering == 1u || p->serial != p->n_set)
         add_doubt(verdict, SMR_REASON_RECOVERING);
     if ((s->scrub.what & SMR_SCRUB_INPUTS) && !s->scrub.checked)
@@ -199,7 +204,7 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
         judge_all(j, j->verdict);
     else
         conclude(j, j->asked, &j->e, j->verdict);
-    note_recovering(j->s, j->verdict);
+    note_state(j->s, j->verdict);
 }
 
 static uint32_t copy_tasks(const void *job)

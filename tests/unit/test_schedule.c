@@ -181,3 +181,44 @@ TEST(test_radius_of_tracking)
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
         assert_int_equal(all[i].radius, tracks_at(all[i].n_structures, all[i].separate_below_mm, all[i].radius_mm));
 }
+
+/* A ball that is drawn out onto a long target. Returns the longest of its edges / length at rest; *v: its verdict. */
+static float drawn_out(float strain_most, smr_verdict *v, uint64_t *hash)
+{
+    smr_config c = smr_config_default();
+    smr_tick_report report = {0};
+    smr_mesh goal = rig_ball(36, 9, 14, none);
+    float *xyz = rig_alloc(3u * (size_t)goal.n_vertices * sizeof *xyz), most = 0.0f;
+    for (uint32_t i = 0; i < 3u * goal.n_vertices; i++)
+        xyz[i] = goal.xyz[i] * (i % 3u == 2u ? 2.0f : 0.7f);
+    goal.xyz = xyz;
+    c.motion.strain_most = strain_most;
+    smr *s = start(&c, 0, 1);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    while (!report.done)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    for (uint32_t k = 0; k < s->shared.n_triangles; k++) {
+        const uint32_t *t = smr_model_triangle(&s->shared, k);
+        const float now = smr_length(smr_sub(smr_get3(s->shape.x, t[0]), smr_get3(s->shape.x, t[1])));
+        const float rest = smr_length(smr_sub(smr_rest(&s->shared, t[0]), smr_rest(&s->shared, t[1])));
+        most = smr_max(most, now / smr_max(rest, smr_le_float(s->shared.model->edge_mm)));
+    }
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, v));
+    *hash = report.state_hash;
+    return most;
+}
+
+/* The bound changes no bit that it does not reach, shortens edges where it is reached, and the verdict tells. */
+TEST(test_bound_of_strain)
+{
+    smr_verdict v;
+    uint64_t free_hash, hash;
+    const float longest = drawn_out(0.0f, &v, &free_hash);
+    assert_int_equal(0, v.reasons & SMR_REASON_BOUND);
+    (void)drawn_out(100.0f, &v, &hash);
+    assert_true(hash == free_hash && (v.reasons & SMR_REASON_BOUND) == 0u);
+    const float bounded = drawn_out(0.1f, &v, &hash);
+    assert_true((v.reasons & SMR_REASON_BOUND) != 0u && v.level != SMR_VERDICT_GOOD);
+    if (!(bounded < 0.8f * longest))
+        fail_msg("edges %g times as long, without a bound %g", (double)bounded, (double)longest);
+}

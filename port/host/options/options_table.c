@@ -106,6 +106,7 @@ const host_option host_option_table[] = {
     {"--node-budget", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(forces.node_budget), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--plastic-um", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(motion.plastic_um), LIBRARY, 0, NULL, 0},
     {"--plastic-every", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(motion.plastic_every), LIBRARY, 0, NULL, 0},
+    {"--strain-most", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(motion.strain_most), LIBRARY, 0, NULL, 0},
     {"--seed", HOST_PHANTOM | HOST_BENCH, HOST_KIND_COUNT, OWN(seed), 1, 1e9, 0, 0, NULL, 0},
     {"--small", HOST_PHANTOM | HOST_BENCH, HOST_KIND_FLAG, OWN(small), 0, 0, 0, 0, NULL, 0},
     {"--figure1", HOST_BENCH, HOST_KIND_FLAG, OWN(figure1), 0, 0, 0, 0, NULL, 0},

@@ -13,13 +13,14 @@
 #define SMR_LOG_FRAME 8u          /* bytes of a record besides its content: head and checksum, a word each */
 #define SMR_LOG_WORDS 12u         /* 32-bit words of the largest content of a record */
 
-/* Words of the configuration: for each setting a head and its value. budget_exact and reference_prior are written only
- * where they differ from the default, so that all other logs and saves are as they were before these settings. */
+/* Words of the configuration: for each setting a head and its value. budget_exact, reference_prior and strain_most are
+ * written only where they differ from the default: other logs and saves are as they were before these settings. */
 enum {
-    SMR_LOG_PRIOR = 54, /* number of the setting reference_prior in logs */
-    SMR_LOG_EXACT = 77, /* number of the setting budget_exact in logs */
+    SMR_LOG_PRIOR = 54,  /* number of the setting reference_prior in logs */
+    SMR_LOG_EXACT = 77,  /* number of the setting budget_exact in logs */
+    SMR_LOG_STRAIN = 78, /* number of the setting strain_most in logs */
     SMR_LOG_LATE_WORDS = 2,
-    SMR_LOG_CONFIG_WORDS = -2 * SMR_LOG_LATE_WORDS
+    SMR_LOG_CONFIG_WORDS = -3 * SMR_LOG_LATE_WORDS
 #define SMR_GROUP(title)
 #define SMR_SETTING(kind, number, path, ...) +((number) > 0 ? 1 + (int)(sizeof(((smr_config *)NULL)->path) / 4u) : 0)
 #include "base/settings_config.def"
@@ -29,11 +30,13 @@ enum {
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
 
 static inline int smr_log_has_prior(const smr_config *c) { return c->references.prior != SMR_PRIOR; }
+static inline int smr_log_has_strain(const smr_config *c) { return c->motion.strain_most != SMR_STRAIN; }
 
 /* Returns the number of 32-bit words that this configuration takes in a log or a save. */
 static inline uint32_t smr_log_config_words(const smr_config *config)
 {
-    const uint32_t n_late = (config->basic.budget_exact != 0u) + (uint32_t)smr_log_has_prior(config);
+    const uint32_t n_late =
+        (config->basic.budget_exact != 0u) + (uint32_t)smr_log_has_prior(config) + (uint32_t)smr_log_has_strain(config);
     return (uint32_t)SMR_LOG_CONFIG_WORDS + n_late * (uint32_t)SMR_LOG_LATE_WORDS;
 }
 

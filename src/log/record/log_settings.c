@@ -1,5 +1,5 @@
 /* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the table
- * of settings; a missing setting has its default, settle_share 0. budget_exact and reference_prior are written last and
+ * of settings; a missing setting has its default, settle_share 0. reference_prior, budget_exact, strain_most come last,
  * only where they differ from it. Before version 3 every target was whole. Version 1 has the struct of library 0.1 as
  * it lay in memory: its words are the numbers up to 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
@@ -26,10 +26,10 @@ static const log_row rows[] = {
 #define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u) /* words of a set of settings, a bit for each */
 
 /* Numbers of the settings in the order in which logs hold the settings, which is that of library 0.2. */
-static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21,
-                                  23, 24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31,
-                                  32, 33, 35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56,
-                                  57, 58, 59, 75, 69, 70, 71, 72, 73, 76, 66, 67, 68, 51, 52, 53, 77, 54};
+static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21, 23,
+                                  24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31, 32, 33,
+                                  35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56, 57, 58, 59,
+                                  75, 69, 70, 71, 72, 73, 76, 66, 67, 68, 51, 52, 53, 77, 54, 78};
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
@@ -46,8 +46,9 @@ void smr_log_put_config(unsigned char *to, const smr_config *config)
 {
     for (size_t i = 0; i < sizeof written; i++) {
         const log_row *row = &rows[row_of(written[i])];
-        if (row->number == SMR_LOG_EXACT ? !config->basic.budget_exact
-                                         : row->number == SMR_LOG_PRIOR && !smr_log_has_prior(config))
+        if ((row->number == SMR_LOG_EXACT && !config->basic.budget_exact) ||
+            (row->number == SMR_LOG_PRIOR && !smr_log_has_prior(config)) ||
+            (row->number == SMR_LOG_STRAIN && !smr_log_has_strain(config)))
             continue;
         smr_log_put32(to, row->number | row->n << 16);
         to += 4;

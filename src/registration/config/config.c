@@ -52,6 +52,7 @@ smr_config smr_config_paper(void)
     c->motion.plastic_um = 50.0f;
     c->motion.plastic_by = SMR_PLASTIC_MEAN;
     c->motion.plastic_every = 0;
+    c->motion.strain_most = 0.0f;
     c->motion.settle_um = 0.0f;
     c->motion.fold_guard = 0;
     c->motion.normals = SMR_NORMALS_EXACT;

@@ -23,6 +23,7 @@ void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shar
     r->cluster_mass = smr_slot_scratch(a, r->cluster_mass, n, sizeof(float));
     r->share = smr_slot_scratch(a, r->share, n, sizeof(float));
     smr_keep_words(a, &r->stale, 1, 1);
+    smr_keep_words(a, &r->strained, 1, 1);
 }
 
 uint32_t smr_reference_tasks(const void *arg) { return ((const smr_reference *)arg)->shared->n_tasks; }

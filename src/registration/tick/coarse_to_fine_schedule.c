@@ -5,6 +5,8 @@
 #include "registration/tick/iteration_steps.h"
 
 #define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
+#define SMR_TRUSTED 0.7f    /* share of vertices with a goal in an image from which on the image's forces are whole */
+#define SMR_DISTRUST 0.6f   /* the same share up to which they are 0: noise alone gives up to 0.59, people 0.77 */
 #define SMR_GROWN 1.25f     /* factor by which the number of all clouds' points grows before a radius is repeated */
 
 /* Chooses n_active. A change needs new cluster centres and waits for a new reference shape or for
@@ -39,6 +41,7 @@ void smr_schedule_start(smr *s)
     smr_schedule *p = &s->schedule;
     p->iteration = p->since_plastic = p->plastic_updates = p->converged = p->done = p->repairing = 0;
     p->gain = p->fade = 1.0f;
+    s->reference.strained = 0;
     if (SMR_HAS_TRACK)
         smr_tracking_end(s);
     smr_place_reset(s);
@@ -84,15 +87,20 @@ void smr_schedule_next(smr *s)
 }
 
 /* Returns the share of image forces and momentum in this iteration. The share falls to 0 in equal steps over the second
- * half of the last radius, so that the model converges to the mean of goals that jump between samples. */
+ * half of the last radius, so that the model converges to the mean of goals that jump between samples; and where so few
+ * vertices find goals in an image as in mere noise. */
 static float fade_of(const smr *s)
 {
     const uint32_t all = s->shared.config.basic.iterations_last,
                    left = all - smr_min_u32(s->schedule.radius_iteration + 1u, all);
-    if (!s->shared.config.image.fade || smr_tracks(&s->schedule) || smr_moves(s) || !smr_image_on(&s->forces.image) ||
-        !smr_at_last_radius(&s->shared, &s->schedule) || left >= all / 2u)
-        return 1.0f;
-    return (float)left / (float)(all / 2u);
+    float share = 1.0f;
+    if (!s->shared.config.image.fade || smr_tracks(&s->schedule) || smr_moves(s) || !smr_image_on(&s->forces.image))
+        return share;
+    if (s->forces.matched >= 0.0f && s->forces.surface.n_goals == 0u && s->schedule.iteration > 0u)
+        share = smr_clamp((s->forces.matched - SMR_DISTRUST) / (SMR_TRUSTED - SMR_DISTRUST), 0.0f, 1.0f);
+    if (smr_at_last_radius(&s->shared, &s->schedule) && left < all / 2u)
+        share *= (float)left / (float)(all / 2u);
+    return share;
 }
 
 /* Chooses search distances and the share of image forces for the coming iteration. */
@@ -117,6 +125,7 @@ void smr_schedule_begin(smr *s)
     choose_active(s);
     s->report.details.n_taken = s->schedule.n_active;
     choose_distances(s);
+    s->reference.n_sweeps = 1;
     begin_targets(&s->forces.surface);
     if (tracks)
         smr_tracking_momentum(s);

@@ -50,6 +50,7 @@ static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
 static void reference_begin(smr *s) { smr_reference_begin(&s->reference); }
 static void reference_end(smr *s) { smr_reference_end(&s->reference); }
 static void evolve_end(smr *s) { smr_triangles_follow(&s->shape, s->shape.x_next); }
+static void strain_end(smr *s) { s->reference.strained = s->reference.n_sweeps > 1u; }
 static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
 static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
 
@@ -183,7 +184,8 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 25, evolve.tangent_smooth, smr_tangent_sum_tasks, smr_tangent_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, 70, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
     SMR_STEP(DYNAMICS, EVOLVE, TASKS, 45, magic, smr_sweep_tasks, smr_sweep_end, NULL),
-    /* volume preservation; positions out of contact; triangles */
+    /* bound of strain; volume preservation; positions out of contact; triangles */
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 60, magic, smr_strain_tasks, smr_strain_limit, strain_end),
     SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, 60, volumes, smr_volume_tasks, smr_volume_correct, NULL),
     SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, 90, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, 90, shape, smr_triangles_tasks, smr_triangles_refit, NULL),
