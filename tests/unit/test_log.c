@@ -16,7 +16,8 @@ TEST(test_header)
     uint32_t rows, settings = 0, n = 0; /* a head and the words of each setting */
     const smr_setting *table = smr_config_settings(&rows);
     for (uint32_t i = 0; i < rows; i++) {
-        const int late = table[i].number == 54u || table[i].number == 77u || table[i].number == 78u; /* not held at their defaults */
+        const int late =
+            table[i].number == 54u || table[i].number == 77u || table[i].number == 78u; /* not held at their defaults */
         const int held = table[i].kind != SMR_SETTING_GROUP && table[i].number > 0u && !late;
         settings += (uint32_t)held;
         n += held ? 1u + table[i].bytes / 4u : 0u;
