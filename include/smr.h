@@ -286,7 +286,9 @@ typedef struct smr_verdict {
     float turned_deg; /* degrees, 0..180. Rotation of the model from the start; above 40 rigid kinematics is inexact */
     float bend_mm;    /* mm along an axis. Smooth displacement from the start that no rigid motion explains */
     float scale, scale_rest; /* present size divided by the size at the start, and by the size at rest */
-    float moved_last_mm;     /* mm. Largest displacement of a vertex of the whole model in the last iteration */
+    /* ratio. Distance from the convex blends of the model's subjects / distance between subjects; -1: one subject. */
+    float subjects_ratio;
+    float moved_last_mm; /* mm. Largest displacement of a vertex of the whole model in the last iteration */
 } smr_verdict;
 
 /* Measures and judges one structure, or SMR_ALL, without a change of the result, on the port's threads. The cost is a
@@ -363,6 +365,7 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 #define SMR_REASON_UNCHECKED 32768u   /* no whole round of smr_set_scrub() since the last iteration */
 #define SMR_REASON_BOUND 65536u       /* edges were stretched beyond config.motion.strain_most */
+#define SMR_REASON_SUBJECTS 131072u   /* subjects_ratio is high */
 
 /* Writes each vertex' expected distance from its true place to mm[n_vertices], or the parts across and along the
  * true surface; one part may be NULL. -1: too little is visible for an estimate. Errors: as smr_get_verdict(). */

@@ -217,7 +217,8 @@ class Verdict(_Struct):
                 ("expected_across_mm", _F), ("expected_along_mm", _F), ("expected_visible_mm", _F), ("visible_share", _F),
                 ("target_covered", _F), ("other_share", _F), ("residual_mm", _F), ("normals_agree", _F), ("image_similarity", _F),
                 ("goals_share", _F), ("strain", _F), ("stretch", _F), ("volume_ratio", _F), ("rotation_deg", _F), ("turned_deg", _F), ("bend_mm", _F),
-                ("scale", _F), ("scale_rest", _F), ("moved_last_mm", _F)]
+                ("scale", _F), ("scale_rest", _F), ("subjects_ratio", _F),
+                ("moved_last_mm", _F)]
 
     @property
     def word(self) -> str:

@@ -39,6 +39,8 @@ const char *smr_reason_text(uint32_t bit)
         return "structures that are not good make up much of the model: look at their own verdicts";
     case SMR_REASON_RECOVERING:
         return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
+    case SMR_REASON_SUBJECTS:
+        return "the shape is unlike all subjects of the model: look whether the target is the same body and side";
     case SMR_REASON_BOUND:
         return "edges stretched beyond their bound: look whether the target is the same body, and at the start";
     case SMR_REASON_UNCHECKED: return "inputs were not checked for faults since the last iteration: call smr_scrub()";
@@ -88,6 +90,7 @@ static void conclude(const smr_judgement *j, uint32_t structure, const smr_evide
     verdict->rotation_deg = e->rotation_deg;
     verdict->bend_mm = smr_mean_of(e->bend, 0.0f);
     verdict->moved_last_mm = s->evolve.moved_mm;
+    verdict->subjects_ratio = smr_mean_of(e->strange, -1.0f);
     smr_measure_moved(j, structure, e, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
               smr_mean_of(e->strays, 0.0f));
@@ -228,6 +231,7 @@ static const smr_stage stages[] = {
     {smr_rest_fit_tasks, smr_rest_fit_add, smr_in_order, NULL},
     {smr_edges_tasks, smr_edges_measure, smr_in_order, NULL},
     {smr_parts_tasks, smr_parts_add, smr_parts_abreast, smr_parts_take},
+    {smr_blend_tasks, smr_blend_measure, smr_in_order, NULL},
     {smr_list_tasks, smr_list_vertices, smr_in_order, NULL},
     {smr_visible_tasks, smr_visible_find, NULL, NULL},
     {smr_distances_tasks, smr_distances_find, NULL, NULL},

@@ -12,7 +12,7 @@ typedef struct smr_mean {
     float sum, weight;
 } smr_mean;
 
-#define SMR_MEANS 17u /* means in smr_evidence */
+#define SMR_MEANS 18u /* means in smr_evidence */
 
 /* Measures of a result. Fields are as in smr_verdict where names agree. */
 typedef struct smr_evidence {
@@ -31,6 +31,7 @@ typedef struct smr_evidence {
             smr_mean bend, expected; /* standard deviation of the displacement; expected error, mm */
             smr_mean across, along;  /* expected error across the surface and along it, mm */
             smr_mean on_visible;     /* expected error of visible vertices, mm */
+            smr_mean strange;        /* distance from the subjects' blends / distance between subjects */
             smr_mean hidden;         /* expected error where the image does not show the model, mm */
         };
         smr_mean mean[SMR_MEANS]; /* all means as a list */
@@ -201,6 +202,10 @@ typedef void smr_take_results(void *job, uint32_t first, uint32_t last);
 smr_count_tasks smr_rest_fit_tasks, smr_edges_tasks, smr_parts_tasks, smr_parts_abreast;
 smr_run_task smr_rest_fit_add, smr_edges_measure, smr_parts_add;
 smr_take_results smr_parts_take;
+
+/* verdict_references.c: stage that compares a structure's shape with those of the model's several subjects. */
+smr_count_tasks smr_blend_tasks;
+smr_run_task smr_blend_measure;
 
 /* Returns the cosine of the angle between the rotations of two poses, each of which may have a scale. */
 float smr_cosine_between(const smr_pose *a, const smr_pose *b);

@@ -42,6 +42,7 @@ enum {
     SIMILARITY,
     STRETCH_IMAGE,
     GOALS,
+    SUBJECTS,
     MEASURES
 };
 
@@ -71,6 +72,7 @@ static const struct {
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* limits of 1 - image similarity */
     [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* limits of stretch * (1 - similarity) */
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* limits of share without a goal */
+    [SUBJECTS] = {SMR_REASON_SUBJECTS, 1.25f, 1.4f, 4.0f, 1.0f},         /* limits of subjects_ratio, with subjects */
 };
 
 /* Points of a curve: sum of doubts, and share of runs with this sum that were right. */
@@ -139,6 +141,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
     m[NOTHING] = v->visible_share > 0.0f ? 0.0f : 1.0f;
     m[whole && !image && v->visible_share < SMR_PART_SHARE ? SIZE_PART : SIZE] = beyond(v->scale);
     m[STRAYS] = strays;
+    m[SUBJECTS] = v->subjects_ratio; /* below 0 without further subjects */
     if (image) {
         m[SIMILARITY] = v->image_similarity > -1.0f ? 1.0f - v->image_similarity : 0.0f;
         m[STRETCH_IMAGE] =

@@ -155,6 +155,27 @@ TEST(test_mixtures)
     assert_true(sum_blend < 0.7f * sum_alone || rig_times(4) < 4u); /* the mean over all */
 }
 
+/* A shape among the subjects lies near their blends; a ball does not, and the verdict tells. One subject alone says
+ * nothing. */
+TEST(test_unlike_all_subjects)
+{
+    static const float truth[SHAPES] = {0.1f, 0.1f, 0.6f, 0.2f}, middle[3] = {0, 0, 0};
+    make_shapes();
+    for (uint32_t k = 0; k < 4u; k++) {
+        const smr_mesh body = k < 2u ? mixture(truth, 0) : rig_ball(40, 20, 30, middle);
+        const smr_config usual = config_of(&body, 300.0f);
+        smr *s = begin(model_of(k % 2u ? &subjects : NULL), &usual, rig_surface(&body));
+        smr_verdict v;
+        (void)rig_run(s, 1000);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &v));
+        const int unlike = (v.reasons & SMR_REASON_SUBJECTS) != 0u;
+        if (k % 2u ? v.subjects_ratio > (k == 1u ? 0.3f : 9.0f) || v.subjects_ratio < (k == 1u ? 0.0f : 1.4f)
+                   : v.subjects_ratio >= 0.0f)
+            fail_msg("case %u: %g times as far as from subject to subject", k, (double)v.subjects_ratio);
+        assert_int_equal(k == 3u, unlike);
+    }
+}
+
 /* On a whole target, and without further shapes, each bit is as without references. The arena is exact. */
 TEST(test_not_used)
 {

@@ -410,7 +410,7 @@ TEST(test_probability)
 TEST(test_reasons)
 {
     for (uint32_t k = 0; k < 32u; k++)
-        assert_int_equal(1u << k <= SMR_REASON_BOUND, smr_reason_text(1u << k)[0] != '\0');
+        assert_int_equal(1u << k <= SMR_REASON_SUBJECTS, smr_reason_text(1u << k)[0] != '\0');
     assert_int_equal('\0', smr_reason_text(0)[0]);
     assert_int_equal('\0', smr_reason_text(3)[0]);
 }

@@ -214,6 +214,7 @@ static void put_measures(const smr_verdict *v, host_json *json)
                     {"bend_mm", v->bend_mm},
                     {"scale", v->scale},
                     {"scale_rest", v->scale_rest},
+                    {"subjects_ratio", v->subjects_ratio},
                     {"moved_last_mm", v->moved_last_mm}};
     host_json_open(json, "verdict_measures", '{');
     for (size_t i = 0; i < sizeof measures / sizeof measures[0]; i++)
