@@ -7,8 +7,9 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
-#define SMR_STRAIN_SWEEPS 4u /* most sweeps over the triangles in an iteration */
-#define SMR_STRAIN_EVERY 8u  /* iterations of the last two radii from one check to the next */
+#define SMR_STRAIN_SWEEPS 4u     /* most sweeps over the triangles in an iteration */
+#define SMR_STRAIN_LEAST 1.0e-6f /* smaller scales and mean edges, mm, count as this: quotients stay finite */
+#define SMR_STRAIN_EVERY 8u      /* iterations of the last two radii from one check to the next */
 
 /* Returns 1 when this iteration checks edges: the last one of a radius, and some of the last two radii. */
 static int due(const smr *s)
@@ -39,8 +40,10 @@ void smr_strain_limit(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     smr *const s = arg;
     const uint32_t n = smr_triangle_tasks(&s->shared), first = task % n * SMR_TRIANGLE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_TRIANGLE_CHUNK, s->shared.n_triangles);
-    const float most = s->shared.config.motion.strain_most, scale = smr_length(smr_column(&s->shape.rest_pose, 0));
-    const float mean = smr_le_float(s->shared.model->edge_mm), long2 = scale * scale * (1.0f + most) * (1.0f + most);
+    const float most = s->shared.config.motion.strain_most;
+    const float scale = smr_max(smr_length(smr_column(&s->shape.rest_pose, 0)), SMR_STRAIN_LEAST);
+    const float mean = smr_max(smr_le_float(s->shared.model->edge_mm), SMR_STRAIN_LEAST);
+    const float long2 = scale * scale * (1.0f + most) * (1.0f + most);
     if (first == 0u)
         s->reference.n_over = 0;
     for (uint32_t k = first; k < last; k++)

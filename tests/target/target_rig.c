@@ -119,6 +119,7 @@ static const struct {
     {smr_triangles_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_refit_again, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_uppers_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "upper boxes"},
+    {smr_strain_limit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "bound of strain"},
     {smr_smooth_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "smoothing"},
     {smr_contact_search, SMR_PHASE_FORCES, TARGET_VERTICES, "contacts"},
     {smr_volume_correct, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "volumes"},
