@@ -1,7 +1,7 @@
 /* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the table
- * of settings; a missing setting has its default, settle_share 0. reference_prior, budget_exact, strain_most come last,
- * and only where they differ from it. Before version 3 every target was whole. Version 1 has the struct of library 0.1 as
- * it lay in memory: its words are the numbers up to 44, with the cookie as word 0.
+ * of settings; a missing setting has its default, settle_share 0. reference_prior, budget_exact and strain_most are
+ * written last and only where they differ. Before version 3 every target was whole. Version 1 has the struct of
+ * library 0.1 as it lay in memory: its words are the numbers up to 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
