@@ -21,8 +21,8 @@ limit() { # file, bytes, lines
 limit README.md 7000 130
 limit docs/DESIGN.md 30000 363
 all=$(cat README.md CHANGELOG.md docs/*.md .github/*.md .github/*/*.md docs/examples/*/*.md tests/*/*.md 2>/dev/null | wc -c)
-echo "all documents: $((all)) of 241000 bytes"
-if [ "$all" -le 241000 ]; then ok; else fail "the documents are longer than 241000 bytes together"; fi
+echo "all documents: $((all)) of 244000 bytes"
+if [ "$all" -le 244000 ]; then ok; else fail "the documents are longer than 244000 bytes together"; fi
 safety=$(cat docs/safety/*.md | wc -c)
 echo "docs/safety: $((safety)) of 60000 bytes"
 if [ "$safety" -le 60000 ]; then ok; else fail "docs/safety is longer than 60000 bytes"; fi
