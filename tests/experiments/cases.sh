@@ -385,7 +385,7 @@ group_joints() {
     for degrees in $(either all '20 40 60 90' 60); do for cut in $(either all '0 1' 0); do
         row=figure:$degrees:$cut
         tool figure 1 $degrees $cut case
-        register $row --model case/model/*.ply --target case/target/*.ply
+        register $row --model case/model/*.ply --target case/target/*.ply --align rigid
         measure $row case
         bound "$row: good" "$row.good" 0
         [ $cut -eq 1 ] || within $row surface 0.3 vertex 2+$degrees/9

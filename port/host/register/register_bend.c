@@ -23,18 +23,18 @@ static smr_status bend_from(const host_job *job, const smr_surface *model, const
     return status;
 }
 
-/* Returns 1 for one structure with triangles and a target with triangles, and no start by landmarks. */
+/* Returns 1 with a start by alignment of one structure with triangles onto a target with triangles. */
 static int may_bend(const host_job *job)
 {
-    return job->model.n_parts == 1 && job->model.part[0].mesh.n_triangles > 0 && !job->options->image_target &&
-           job->n_targets == 1 && job->target[0].surface != NULL && job->n_landmarks == 0 && job->goals == NULL &&
+    return job->options->align != HOST_ALIGN_NONE && job->model.n_parts == 1 &&
+           job->model.part[0].mesh.n_triangles > 0 && !job->options->image_target && job->n_targets == 1 &&
+           job->target[0].surface != NULL && job->n_landmarks == 0 && job->goals == NULL &&
            job->options->resume == NULL;
 }
 
 int host_job_bend(host_job *job, host_error *error)
 {
     const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    const int aligned = job->options->align != HOST_ALIGN_NONE;
     uint32_t bent = 0, kept = 0;
     void *surface_memory = NULL;
     if (!may_bend(job))
@@ -48,8 +48,8 @@ int host_job_bend(host_job *job, host_error *error)
     const smr_surface *const model = status == SMR_OK ? host_surface_make(&mesh, &surface_memory) : NULL;
     const smr_surface *const target = job->target[0].surface;
     if (status == SMR_OK)
-        status = model == NULL ? SMR_E_ARENA : bend_from(job, model, target, aligned ? &job->pose : &here, xyz, &bent);
-    if (status == SMR_OK && aligned && bent) /* the place where the files have the model counts first */
+        status = model == NULL ? SMR_E_ARENA : bend_from(job, model, target, &job->pose, xyz, &bent);
+    if (status == SMR_OK && bent) /* the place where the files have the model counts first */
         status = bend_from(job, model, target, &here, xyz, &kept);
     free(surface_memory);
     free(rest);
