@@ -34,14 +34,22 @@ uint32_t smr_radius_after(const smr *s)
     return best;
 }
 
+/* Returns 1 when a target surface shows a part of the model to the end. */
+static int shows_part(const smr *s)
+{
+    uint32_t i = 0;
+    while (i < s->shared.n_structures && !(SMR_HAS_PARTIAL && smr_visibility_always_partial(&s->forces.surface, i)))
+        i++;
+    return i < s->shared.n_structures;
+}
+
 /* Returns the largest number of iterations at a radius between the first and the last. A number and not progress ends
  * radii where progress misleads: the noise of points keeps vertices in motion, a model slides in a target that shows a
  * part of it, and volumes change against the target. */
 static uint32_t level_iterations(const smr *s)
 {
-    const smr_surface_goals *g = &s->forces.surface;
     const int counts = s->shared.config.motion.settle_share > 0.0f &&
-                       (g->n_clouds_at_begin > 0u || g->partial != 0u || smr_volumes_used(&s->volumes));
+                       (s->forces.surface.n_clouds_at_begin > 0u || smr_volumes_used(&s->volumes) || shows_part(s));
     return smr_min_u32(s->shared.config.basic.iterations, counts ? SMR_FIXED_ITERATIONS : UINT32_MAX);
 }
 
