@@ -97,13 +97,12 @@ static int few_suffice(const smr *s)
  * whose vertices do not depend on the order along the curve. */
 static float enough(const smr *s)
 {
-    const float n = (float)s->shared.n,
-                half = 0.5f * (float)s->shared.n_triangles; /* about the vertices of a surface */
-    const float bare = s->shared.n_triangles > 0u ? smr_max(1.0f, n / half) : 1.0f; /* others get no forces */
+    const float n = (float)s->shared.n; /* of these as many as a closed surface of the triangles has get forces */
+    const float drawn = 0.5f * (float)s->shared.n_triangles + 2.0f * (float)s->shared.n_structures;
+    const float bare = s->shared.n_triangles > 0u ? smr_max(1.0f, n / drawn) : 1.0f;
     const float cluster =
         n * (float)s->shared.config.schedule.active_enough / (float)smr_max_u32(s->schedule.lists.smallest, 1u);
-    const float wanted =
-        bare * smr_max(cluster, SMR_ENOUGH_ALL); /* a floor: clusters that span the model share vertices */
+    const float wanted = bare * smr_max(cluster, SMR_ENOUGH_ALL); /* a floor, as clusters share vertices */
     uint32_t level = 0;
     while (level + 1u < smr_le32(s->shared.model->n_levels) &&
            (float)smr_le32(s->shared.model->level_end[level]) < SMR_ABOUT * wanted)

@@ -1,5 +1,6 @@
 /* target_rig.c: text output, the board's clock, and which step the clock is read in.
  * SPDX-License-Identifier: MIT */
+#include "registration/schedule_radius.h"
 #include "target_rig.h"
 
 const target_case target_cases[TARGET_BUDGETED] = {
