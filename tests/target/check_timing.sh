@@ -46,7 +46,7 @@ awk -v same=$same -F '; ' '
           if (n != 32 || c < 50 || p != 4) { print "rows are missing: " n " fixed, " c " chunks, " p " bounds"; bad = 1 }
           exit bad }' "$new" || exit 1
 
-# The bound that docs/TIMING.md derives holds for what was measured, and is not far above it.
+# The bound that docs/TIMING.md derives holds for what was measured, and is not far above it: the bound counts all vertices at all radii.
 for board in m7 m55; do
     for kind in surface image; do
         for method in rigid polar; do
@@ -56,7 +56,7 @@ for board in m7 m55; do
             # shellcheck disable=SC2086
             bound=$(SMR_TIMING_TABLE=$new sh tests/timing/bound.sh $board $kind $method $numbers | awk '/^fixed part, at most/ { print $5 }')
             seen=$(awk -F '; ' -v b=$board -v c="$kind $method" '$1 == b && $2 == "schedule" && $3 == c && $4 == "fixed part" { print $6 }' "$new")
-            [ "${bound:-0}" -ge "$seen" ] && [ "$bound" -le $((seen + seen / 4)) ] && continue
+            [ "${bound:-0}" -ge "$seen" ] && [ "$bound" -le $((seen + seen / 3)) ] && continue
             echo "tests/timing/bound.sh: $board, $kind, $method: bound ${bound:-none}, measured $seen"
             exit 1
         done
