@@ -94,6 +94,6 @@ plant() {
 }
 plant 0 0.5
 plant 1 '1, 0.3'
-plant '60, 40' '60, 40, 12'
+plant '30, 40' '30, 40, 12'
 echo "$passed passed, $failed failed, 0 skipped"
 [ "$failed" -eq 0 ]
