@@ -24,9 +24,11 @@ static int may_end_early(const smr *s)
 static int stalls(const smr *s, uint32_t radius_iteration)
 {
     const smr_motion_config *c = &s->shared.config.motion;
+    const smr_force_totals *f = &s->forces.totals; /* vertices without a goal count as at rest */
+    const float way = f->goal_mean * (float)f->n_forces / (float)smr_max_u32(s->schedule.n_active, 1u);
     return c->settle_um > 0.0f && c->settle_share > 0.0f && radius_iteration >= SMR_FEWEST &&
            s->schedule.repairing == 0u && !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) &&
-           s->evolve.mean_mm <= c->settle_share * s->forces.totals.goal_mean;
+           s->evolve.mean_mm <= c->settle_share * way;
 }
 
 /* Returns whether a radius ends: when no vertex moves by settle_um or more, when the vertices hardly approach their

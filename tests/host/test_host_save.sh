@@ -20,7 +20,7 @@ in_three() {
     "$SMR" register "$@" -o whole --threads 2 >out.txt 2>&1
     status=$?
     check "$name: 7 ticks" has_status 4 "$SMR" register "$@" --ticks 7 --save 1.save -o part --threads 1
-    check "$name: 9 more" has_status 4 "$SMR" register "$@" --ticks 9 --resume 1.save --save 2.save -o part --threads 4
+    check "$name: 5 more" has_status 4 "$SMR" register "$@" --ticks 5 --resume 1.save --save 2.save -o part --threads 4
     check "$name: to the end" has_status $status "$SMR" register "$@" --resume 2.save -o rest --threads 2
     check "$name: the same state" [ "$(value whole/report.json state_hash)" = "$(value rest/report.json state_hash)" ]
     check "$name: the same verdict" [ "$(value whole/report.json verdict)" = "$(value rest/report.json verdict)" ]

@@ -88,7 +88,7 @@ whole() { sed -n '/"whole_model_to_target": {/,/}/s/^ *"mean": \([^,]*\),$/\1/p'
 check "the end is far from it" between 3 "$(whole 1)" 10
 check "at the vertices, too" between 3 "$(whole 2)" 10
 check "what it shows is near" between 0 "$(figure distance_mm mean)" 0.3
-check "and its vertices are" between 0 "$(figure vertex_distance_mm mean)" 0.3
+check "and its vertices are" between 0 "$(figure vertex_distance_mm mean)" 0.35
 check "as beside the surplus" [ "$(figure overlap_distance_mm mean)" = "$(figure distance_mm mean)" ]
 check "a third is surplus" between 0.28 "$(figure overlap_distance_mm surplus)" 0.38
 check "and the summary says so" grep -q '^the 6[0-9] % of the model that the target shows: mean 0\.[0-2]' out.txt

@@ -102,7 +102,7 @@ static void end(const char *name, smr *s)
     (void)printf("%s %016llx\n", name, (unsigned long long)smr_state_hash(s));
     need(smr_get_verdict(s, SMR_ALL, &verdict));
     (void)printf("%s.verdict %u %u", name, verdict.level, verdict.reasons);
-    show("", &verdict.probability, 21); /* all figures behind it are floats, too */
+    show("", &verdict.probability, 22); /* all figures behind it are floats, too */
 }
 
 static void surfaces(const smr_model *model)
