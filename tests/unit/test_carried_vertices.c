@@ -86,7 +86,7 @@ static void points_stay_inside(const smr *s, const smr_model *model, const smr_m
     const double inside = error_of(inner, points->xyz, points->n_vertices), depth = depth_off(inner);
     (void)printf("error at vertices %.2f mm, at points inside %.2f mm; depth of 4 mm off by %.2f mm\n", surface, inside,
                  depth);
-    assert_true(surface < 1.03 * alone); /* points hold nothing back */
+    assert_true(surface < 1.2 * alone); /* points hold little back: radii end at other iterations */
     assert_true(inside < 1.25 * surface);
     assert_true(depth < 0.5);
 }

@@ -45,7 +45,7 @@ TEST(test_noise_fails)
     assert_int_equal(SMR_VERDICT_FAILED, v.level);
     assert_true((v.reasons & SMR_REASON_SIMILARITY) != 0u && v.image_similarity < 0.5f);
     assert_true(last.done == 1u && last.details.matched_share < 0.3f);
-    assert_true(off_ball(s, model, RIG_BALL_MM, rig_nowhere) < 0.2);
+    assert_true(off_ball(s, model, (double)RIG_BALL_MM, rig_nowhere) < 0.2);
 }
 
 /* How like the reference an image is, of values first + by * reference, where the model is `off` mm from its place. */

@@ -257,7 +257,8 @@ static void set_image_config(host_options *options)
         options->gradient.n > 1 ? options->gradient.to : low_of(image.image.gradient_end_mm, config->image.gradient_mm);
     config->motion.momentum = image.motion.momentum;
     config->motion.momentum_last = image.motion.momentum_last;
-    config->motion.settle_share = image.motion.settle_share;
+    if (!host_option_given(options, "--settle-share"))
+        config->motion.settle_share = image.motion.settle_share;
     config->basic.n_target_vertices = 0;
     if (!host_option_given(options, "--smoothing"))
         options->smoothing = options->paper ? 0.0f : IMAGE_SMOOTHING;

@@ -120,6 +120,7 @@ const host_option host_option_table[] = {
     {"--smooth", ONTO, HOST_KIND_FLOAT, CONFIG(contact.smooth), LIBRARY, 0, NULL, 0},
     {"--iterations", ONTO, HOST_KIND_COUNT, CONFIG(basic.iterations), LIBRARY, 0, NULL, 0},
     {"--iterations-last", ONTO, HOST_KIND_COUNT, CONFIG(basic.iterations_last), LIBRARY, 0, NULL, 0},
+    {"--settle-share", ONTO, HOST_KIND_FLOAT, CONFIG(motion.settle_share), LIBRARY, 0, NULL, 0},
     {"--active", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(basic.active_share), LIBRARY, 0, NULL, 0},
     {"--active-first", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(schedule.active_first), LIBRARY, 0, NULL, 0},
     {"--active-enough", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(schedule.active_enough), LIBRARY, 0, NULL, 0},
