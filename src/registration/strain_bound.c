@@ -11,7 +11,7 @@
 #define SMR_STRAIN_LEAST 1.0e-6f /* smaller scales and mean edges, mm, count as this: quotients stay finite */
 #define SMR_STRAIN_EVERY 8u      /* iterations of the last two radii from one check to the next */
 
-/* Returns 1 when this iteration checks edges: the last one of a radius, and some of the last two radii. */
+/* Returns 1 when this iteration checks edges: the last one that a radius may have, and some of the last two radii. */
 static int due(const smr *s)
 {
     const uint32_t at = s->schedule.radius_iteration + 1u;

@@ -18,6 +18,7 @@
 enum {
     SMR_LOG_PRIOR = 54,  /* number of the setting reference_prior in logs */
     SMR_LOG_EXACT = 77,  /* number of the setting budget_exact in logs */
+    SMR_LOG_SETTLE = 68, /* number of the setting settle_share in logs */
     SMR_LOG_STRAIN = 78, /* number of the setting strain_most in logs */
     SMR_LOG_LATE_WORDS = 2,
     SMR_LOG_CONFIG_WORDS = -3 * SMR_LOG_LATE_WORDS

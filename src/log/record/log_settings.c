@@ -1,7 +1,8 @@
 /* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the table
- * of settings; a missing setting has its default, settle_share 0. reference_prior, budget_exact and strain_most are
- * written last and only where they differ. Before version 3 every target was whole. Version 1 has the struct of
- * library 0.1 as it lay in memory: its words are the numbers up to 44, with the cookie as word 0.
+ * of settings; a missing setting has its default, but settle_share and strain_most 0 where settle_share is missing.
+ * reference_prior, budget_exact and strain_most are written last and only where they differ from the default. Before
+ * version 3 every target was whole. Version 1 has the struct of library 0.1 as it lay in memory: its words are the
+ * numbers up to 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
@@ -79,6 +80,8 @@ static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_
             return SMR_E_LOG;
         visited[i / 32u] |= 1u << i % 32u;
         set(config, &rows[i], from + 4u * ((size_t)at + 1u));
+        if (rows[i].number == SMR_LOG_SETTLE) /* written before strain_most, by libraries that know both */
+            config->motion.strain_most = SMR_STRAIN;
         at += 1u + rows[i].n;
     }
     return SMR_OK;
@@ -87,7 +90,7 @@ static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config)
 {
     *config = smr_config_default();
-    config->motion.settle_share = 0.0f; /* older logs do not have it */
+    config->motion.settle_share = config->motion.strain_most = 0.0f; /* older logs have neither */
     if (version < SMR_LOG_COVERAGE)
         config->partial.coverage = SMR_COVERAGE_WHOLE;
     if (version == 2u || version == SMR_LOG_VERSION)
