@@ -20,15 +20,18 @@ static int may_end_early(const smr *s)
 }
 
 /* Returns 1 when the vertices move by less than settle_share of the way to their goals: forces on clusters of the
- * current radius cancel out, and smaller clusters follow them further. */
+ * current radius cancel out, and smaller clusters follow them further. Smaller clusters end at a larger share, in
+ * inverse ratio to their radius: they can follow more, and what still moves then is mostly a creep along the target. */
 static int stalls(const smr *s, uint32_t radius_iteration)
 {
     const smr_motion_config *c = &s->shared.config.motion;
+    const uint32_t first = s->shared.config.schedule.radius_first;
     const smr_force_totals *f = &s->forces.totals; /* vertices without a goal count as at rest */
     const float way = f->goal_mean * (float)f->n_forces / (float)smr_max_u32(s->schedule.n_active, 1u);
-    return c->settle_um > 0.0f && c->settle_share > 0.0f && radius_iteration >= SMR_FEWEST &&
+    const float share = c->settle_share * smr_model_lists(s->shared.model, first).radius / s->schedule.lists.radius;
+    return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST &&
            s->schedule.repairing == 0u && !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) &&
-           s->evolve.mean_mm <= c->settle_share * way;
+           s->evolve.mean_mm <= share * way;
 }
 
 /* Returns whether a radius ends: when no vertex moves by settle_um or more, when the vertices hardly approach their
