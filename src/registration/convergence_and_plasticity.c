@@ -29,9 +29,8 @@ static int stalls(const smr *s, uint32_t radius_iteration)
     const smr_force_totals *f = &s->forces.totals; /* vertices without a goal count as at rest */
     const float way = f->goal_mean * (float)f->n_forces / (float)smr_max_u32(s->schedule.n_active, 1u);
     const float share = c->settle_share * smr_model_lists(s->shared.model, first).radius / s->schedule.lists.radius;
-    return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST &&
-           s->schedule.repairing == 0u && !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) &&
-           s->evolve.mean_mm <= share * way;
+    return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST && s->schedule.repairing == 0u &&
+           !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) && s->evolve.mean_mm <= share * way;
 }
 
 /* Returns whether a radius ends: when no vertex moves by settle_um or more, when the vertices hardly approach their
