@@ -263,13 +263,20 @@ group_contact() {
     onto off_surfaces "$names"
     onto on_surfaces "$names" --contact
     keeps_apart surfaces 0.1
-    # The neighbour does not move: of the surfaces that the patient's femur reaches into.
-    for with in '' --contact-with; do
-        row=fixed${with:+_on}
-        onto $row femur ${with:+$with data/thigh_patient/truth/vastus_intermedius.ply}
-        "$SMR" measure $row/femur.ply data/thigh_patient/truth/vastus_intermedius.ply | sed -n 's/^contact: deepest \([0-9.]*\) .*/cut \1/p' | keep $row
+    # The neighbour does not move: of the surfaces that the patient's femur reaches into. Two starts, for a deepest
+    # place is one vertex: by landmarks, and the model where it is.
+    for start in "$(marks patient)" ''; do
+        for with in '' --contact-with; do
+            row=fixed${with:+_on}${start:+_marks}
+            register $row --model data/hip_thigh_vhm/femur.ply --target data/thigh_patient/truth/femur.ply $start \
+                ${with:+$with data/thigh_patient/truth/vastus_intermedius.ply}
+            "$SMR" measure $row/femur.ply data/thigh_patient/truth/vastus_intermedius.ply |
+                sed -n 's/^contact: deepest \([0-9.]*\) mm *overlap \([0-9.]*\) .*/cut \1\noverlap \2/p' | keep $row
+        done
     done
-    within fixed_on cut/fixed.cut 0.2 mean-fixed.mean 0.1
+    bound 'a fixed neighbour: deepest place, on over off, mean of two starts' \
+        "(fixed_on.cut+fixed_on_marks.cut)/(fixed.cut+fixed_marks.cut)" 0.2
+    for row in '' _marks; do within fixed_on$row overlap/fixed$row.overlap 0.05 mean-fixed$row.mean 0.1; done
     full || return 0
     register off_image $thigh $(into person)
     register on_image $thigh $(into person) --contact
