@@ -104,6 +104,7 @@ over() { # line: of its rows, LINE:..., how many, and of each figure the mean, t
 
 . "$here/cases.sh"
 . "$here/cases_made.sh"
+. "$here/cases_budgets.sh"
 
 # ---------------------------------------------------------------- all groups
 
