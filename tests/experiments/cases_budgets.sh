@@ -1,3 +1,4 @@
+# shellcheck shell=sh disable=SC2086,SC2046,SC2154
 # cases_budgets: experiments on ticks that have a budget; read by experiments.sh, as cases.sh is.
 # SPDX-License-Identifier: MIT
 
