@@ -35,7 +35,22 @@ typedef struct smr_image_structure {
     float matched;               /* share of vertices with a goal in the last search, while idle; -1: no search */
 } smr_image_structure;
 
+struct smr_image_goals;
+
+/* Functions of an iteration with an image. Programs without smr_set_volume(), which names them, link none. */
+typedef struct smr_image_calls {
+    /* Searches vertex v's goal in the image. Returns SMR_GOAL, and the displacement to it, mm; SMR_NO_GOAL: no goal
+     * above the confidence threshold; SMR_UNDECIDED: the search leaves the image or meets one value only, or the search
+     * distance is below a sample; SMR_INVISIBLE: no goal, and the image does not show the vertex. Stores contrast and
+     * brightness at the goal. */
+    int (*goal)(struct smr_image_goals *g, uint32_t v, smr_vec *displacement);
+    void (*ahead)(const struct smr_image_goals *g, uint32_t v);   /* prefetches voxels that v's search reads */
+    smr_run_task *fill_sum;                                       /* runs a task of smr_fill_sum() */
+    smr_vec (*fill)(const struct smr_image_goals *g, uint32_t v); /* returns smoothing of a goalless vertex, mm */
+} smr_image_calls;
+
 typedef struct smr_image_goals {
+    const smr_image_calls *calls; /* functions of an iteration with an image; NULL: no image was set */
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;
@@ -71,28 +86,21 @@ int smr_image_goals_sum(smr_image_goals *g,
                         smr_image_summing *j);   /* sets noise and n_invisible; returns 1 at the end */
 void smr_image_goals_commit(smr_image_goals *g); /* when forces are complete: keeps contrast and brightness */
 
-/* Searches vertex v's goal in the image. Returns SMR_GOAL, and the displacement to it, mm; SMR_NO_GOAL: no goal
- * above the confidence threshold; SMR_UNDECIDED: the search leaves the image or meets one value only, or the search
- * distance is below a sample; SMR_INVISIBLE: no goal, and the image does not show the vertex. Stores contrast and
- * brightness at the goal. */
-int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement);
-
 /* Returns 1 when the profile of v is complete and the image contains the whole line of the profile at v. */
 int smr_image_shows(const smr_image_goals *g, uint32_t v);
 
 /* Returns 1 when the current forces search the image for a structure: a search distance is at least half a sample. */
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure);
-void smr_image_forget(smr_image_goals *g, uint32_t v);      /* stores that v has no contrast and brightness */
-void smr_image_keep(smr_image_goals *g, uint32_t v);        /* takes v's contrast and brightness from the last forces */
-void smr_image_ahead(const smr_image_goals *g, uint32_t v); /* prefetches voxels that v's search reads */
+void smr_image_forget(smr_image_goals *g, uint32_t v); /* stores that v has no contrast and brightness */
+void smr_image_keep(smr_image_goals *g, uint32_t v);   /* takes v's contrast and brightness from the last forces */
 
 /* Compares how well the profile of v matches the image at v and at places beside v. *wins: comparisons won by v minus
  * those lost by v, out of *n. *n is 0 when v has no profile or a sample at v lies outside the image. */
 void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n);
 
-/* Step: sums positions of mesh neighbours. Then smr_fill_displacement() returns a goalless vertex' displacement, mm. */
-uint32_t smr_fill_tasks(const void *goals);
-void smr_fill_sum(void *goals, uint32_t task, uint32_t worker);
+/* Step: sums positions of mesh neighbours, by which vertices without a goal are smoothed. */
+smr_count_tasks smr_fill_tasks;
+smr_run_task smr_fill_sum, smr_fill_structure;
 smr_vec smr_fill_displacement(const smr_image_goals *g, uint32_t v);
 
 #endif

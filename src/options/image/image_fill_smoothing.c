@@ -14,13 +14,6 @@
 
 #define SMR_WORK_FILL 40000u /* instructions at most for SMR_TRIANGLE_CHUNK vertices or triangles */
 
-/* Returns the number of tasks, a structure each. */
-uint32_t smr_fill_tasks(const void *arg)
-{
-    const smr_image_goals *g = arg;
-    return g->has_image ? g->shared->n_structures : 0u;
-}
-
 /* Returns a structure's search distance of profiles, mm; 0: p->profile_mm. With few goals the distance is longer,
  * since the structure may be far from its place in the image. */
 static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
@@ -108,7 +101,7 @@ static uint32_t add_rings(smr_image_goals *g, uint32_t structure, uint32_t from,
 }
 
 /* Looks at a structure's vertices, then adds its triangles, in chunks. */
-void smr_fill_sum(void *arg, uint32_t structure, uint32_t worker)
+void smr_fill_structure(void *arg, uint32_t structure, uint32_t worker)
 {
     smr_image_goals *g = arg;
     smr_worker *w = &g->shared->worker[worker];

@@ -98,25 +98,16 @@ int smr_image_goals_sum(smr_image_goals *g, smr_image_summing *j)
     return ++j->k == g->shared->n_structures;
 }
 
-void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)
+/* Returns the number of tasks, a structure each. */
+uint32_t smr_fill_tasks(const void *arg)
 {
-    g->grid = *image;
-    g->noise = smr_grid_noise(image);
+    const smr_image_goals *g = arg;
+    return g->has_image ? g->shared->n_structures : 0u;
 }
 
-void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
+void smr_fill_sum(void *arg, uint32_t structure, uint32_t worker)
 {
-    g->has_image = image != NULL;
-    if (image == NULL)
-        return;
-    smr_image_goals_see(g, image);
-    smr_image_summing sums = {.k = 0};
-    while (!smr_image_goals_sum(g, &sums))
-        ;
-    for (uint32_t k = 0; k < g->shared->n_structures; k++) {
-        g->structure[k].gain = 1.0f; /* equal contrast until goals are found */
-        g->structure[k].brighter = 0.0f;
-    }
+    ((const smr_image_goals *)arg)->calls->fill_sum(arg, structure, worker);
 }
 
 /* The reference profile of a vertex as it is compared: all samples, or every second one in a long search. */
@@ -201,7 +192,7 @@ int smr_image_shows(const smr_image_goals *g, uint32_t v)
     return r.range > 0.0f && smr_grid_line(&g->grid, first, step, r.n, line, inside) == r.n;
 }
 
-void smr_image_ahead(const smr_image_goals *g, uint32_t v)
+static void ahead(const smr_image_goals *g, uint32_t v)
 {
     const float profile_mm = sought_mm(g, v);
     const reference_profile r = reference_shape(g, v, profile_mm);
@@ -294,7 +285,7 @@ static int hidden(smr_image_goals *g, uint32_t v)
     return SMR_INVISIBLE;
 }
 
-int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
+static int find_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_config *const c = &g->shared->config;
     const float profile_mm = sought_mm(g, v);
@@ -340,4 +331,27 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
         *displacement = smr_add(*displacement, tangential_displacement(g, v, &l, &sample));
     }
     return SMR_GOAL;
+}
+
+void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)
+{
+    static const smr_image_calls all = {find_goal, ahead, smr_fill_structure, smr_fill_displacement};
+    g->calls = &all;
+    g->grid = *image;
+    g->noise = smr_grid_noise(image);
+}
+
+void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
+{
+    g->has_image = image != NULL;
+    if (image == NULL)
+        return;
+    smr_image_goals_see(g, image);
+    smr_image_summing sums = {.k = 0};
+    while (!smr_image_goals_sum(g, &sums))
+        ;
+    for (uint32_t k = 0; k < g->shared->n_structures; k++) {
+        g->structure[k].gain = 1.0f; /* equal contrast until goals are found */
+        g->structure[k].brighter = 0.0f;
+    }
 }

@@ -5,6 +5,7 @@
  * follows the mesh: the far side of a thin wall is near in space. All clouds use the same number of rounds.
  * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
  * SPDX-License-Identifier: MIT */
+#include "log/record/log_format.h"
 #include "options/partial/partial.h"
 
 #define SMR_ROUNDS_LEAST 2u   /* smallest number of rounds of smoothing */
@@ -89,7 +90,7 @@ static void end_round(smr_point_spread *p)
     p->n_reached = 0;
 }
 
-void smr_point_spread_run(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+static void spread(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_point_spread *p = arg;
     const uint32_t n = p->shared->n_tasks, of_triangles = round_tasks(p) - n;
@@ -116,7 +117,7 @@ void smr_point_spread_run(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         end_round(p);
 }
 
-int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
+static int find_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_vec p = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     const float *s = g->spread + 4u * (size_t)v;
@@ -127,4 +128,11 @@ int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
     if (g->visibility != NULL)
         smr_visibility_judge_points(g, v, s[3]);
     return 1;
+}
+
+const smr_cloud_calls smr_clouds = {find_goal, spread, smr_visibility_note_view, smr_points_checksum};
+
+void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
+{
+    ((const smr_point_spread *)arg)->goals->clouds->spread(arg, task, worker);
 }

@@ -31,6 +31,7 @@ int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure);
 void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                           smr_vec displacement);
 void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight);
+void smr_visibility_note_view(smr_surface_goals *g); /* sets mean normals of vertices that clouds show */
 /* Returns the visibility of vertex v, 0..1. On a whole target the visibility is 1 with a goal, 0 without. */
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
 /* Returns 1 when at most 70 % of the structure of v is visible, 0 from 90 % on, and values between. */
@@ -39,7 +40,6 @@ float smr_visibility_partial(const smr_surface_goals *g, uint32_t v);
 smr_count_tasks smr_visibility_tasks;
 smr_run_task smr_visibility_count;
 void smr_visibility_commit(smr_surface_goals *g);
-void smr_visibility_note_view(smr_surface_goals *g); /* sets mean normals of vertices that clouds show */
 
 /* ---- clouds of points ---- */
 
@@ -54,8 +54,16 @@ typedef struct smr_point_spread {
     float weight;       /* sum of the weights of all pulls */
 } smr_point_spread;
 
-/* Writes the displacement of v to its goal from a cloud, mm, and stores v's visibility. Returns 0 without a goal. */
-int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement);
+/* Functions for clouds in an iteration. Programs without smr_set_points(), which names them, link none. */
+typedef struct smr_cloud_calls {
+    /* writes the displacement of v to its goal, mm, and stores v's visibility; returns 0 without a goal */
+    int (*goal)(smr_surface_goals *g, uint32_t v, smr_vec *displacement);
+    smr_run_task *spread;                               /* runs a task of smr_point_spread_run() */
+    void (*view)(smr_surface_goals *g);                 /* sets mean normals of vertices that clouds show */
+    uint64_t (*checksum)(const float *xyz, uint32_t n); /* returns the checksum of n points */
+} smr_cloud_calls;
+
+extern const smr_cloud_calls smr_clouds;
 
 /* Step: smooths the pulls of clouds over the mesh. No tasks without a cloud. Tasks run one after the other. */
 smr_count_tasks smr_point_spread_tasks;

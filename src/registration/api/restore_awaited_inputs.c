@@ -156,6 +156,8 @@ static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *s
         target[first].surface = NULL;
         return SMR_E_ARENA;
     }
+    if (smr_is_points(surface))
+        s->forces.surface.clouds = &smr_clouds;
     smr_note_target(&s->forces.surface, first, first + 1u);
     s->n_awaited--;
     for (uint32_t i = first + 1u; structure == SMR_ALL && i < n; i++) {

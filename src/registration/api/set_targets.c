@@ -90,7 +90,7 @@ static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last,
         const smr_points_then *then = &g->then[i];
         if (then->sum == known.sum && then->n == known.n && known.sum != 0u)
             continue;
-        if (then->n > surface->n_vertices || smr_points_checksum(surface->xyz, then->n) != then->sum)
+        if (then->n > surface->n_vertices || g->clouds->checksum(surface->xyz, then->n) != then->sum)
             return 0;
         known = *then;
     }
@@ -115,7 +115,7 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
     g->target[first].guard = surface == NULL ? 0u : smr_surface_guard(surface);
     if (g->then != NULL) {
         const uint32_t n = cloud ? surface->n_vertices : 0u;
-        g->then[first] = (smr_points_then){cloud ? smr_points_checksum(surface->xyz, n) : 0u, n};
+        g->then[first] = (smr_points_then){cloud ? g->clouds->checksum(surface->xyz, n) : 0u, n};
     }
     for (uint32_t i = first; i < last; i++) {
         smr_note_like(g, i, first);
@@ -124,7 +124,8 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
     }
 }
 
-smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface)
+/* Sets a mesh, a cloud or no target, without logging it. clouds: functions for clouds; NULL: no cloud is set. */
+static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surface, const smr_cloud_calls *clouds)
 {
     smr_surface_goals *g = &s->forces.surface;
     const uint32_t n_structures = s->shared.n_structures;
@@ -136,6 +137,7 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
         return SMR_E_ARENA;
     const uint32_t first = structure == SMR_ALL ? 0u : structure,
                    last = structure == SMR_ALL ? n_structures : first + 1u;
+    g->clouds = clouds != NULL ? clouds : g->clouds;
     const int grown = only_grown(g, first, last, surface); /* 1: searches start from their last results */
     for (uint32_t i = first; i < last; i++) {
         g->target[i].surface = surface;
@@ -167,7 +169,7 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         return SMR_E_CONFIG;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_SURFACE, structure, surface);
-    SMR_TRY(smr_set_target(s, structure, surface));
+    SMR_TRY(set_target(s, structure, surface, NULL));
     smr_changed(s, SMR_LOG_SURFACE, structure, surface, 0);
     return SMR_OK;
 }
@@ -178,7 +180,7 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
     SMR_TRY(smr_settable(s, SMR_HAS_PARTIAL, points == NULL || smr_points_valid(points)));
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_POINTS, structure, surface);
-    SMR_TRY(smr_set_target(s, structure, surface));
+    SMR_TRY(set_target(s, structure, surface, surface != NULL ? &smr_clouds : NULL));
     smr_changed(s, SMR_LOG_POINTS, structure, points, 0);
     return SMR_OK;
 }

@@ -18,8 +18,6 @@ void smr_take_goals(smr_surface_goals *g); /* lists the distinct targets in g->g
 void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last);
 /* copies size and checksum of the target of structure `other` */
 void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
-/* sets the target of a structure or of SMR_ALL, for smr_set_surface() and smr_set_points() */
-smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
 
 /* Checks whether an input may be set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick runs),
  * E_DAMAGED. */

@@ -88,7 +88,7 @@ static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, sm
     smr_surface_goals *g = &f->surface;
     smr_surface_find find;
     if (smr_is_points(drawn->surface))
-        return smr_point_goal(g, v, displacement);
+        return g->clouds->goal(g, v, displacement);
     const int found = smr_surface_goal(g, v, drawn->surface, pause, displacement, &find);
     if (pause->kept || find.hit.triangle == SMR_NONE)
         return found;
@@ -114,8 +114,8 @@ static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *draw
     smr_vec own;
     if (pause->kept)
         return SMR_FOUND_NONE;
-    const int in_image = SMR_HAS_IMAGE && beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
-    if (SMR_HAS_IMAGE && !in_image)
+    const int in_image = SMR_HAS_IMAGE && beside > 0.0f && f->image.calls->goal(&f->image, v, &own) == SMR_GOAL;
+    if (SMR_HAS_IMAGE && beside > 0.0f && !in_image)
         smr_image_forget(&f->image, v); /* drops the image's result: the surface decides what is visible */
     if (!(rest && in_image) && (partial || landmarks))
         smr_occluded_field_blend(&f->occluded, v, found, displacement);
@@ -139,11 +139,11 @@ static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
         *displacement = smr_occluded_field_displacement(&f->occluded, v);
         return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
     }
-    int visible = smr_image_goal(&f->image, v, displacement);
+    int visible = f->image.calls->goal(&f->image, v, displacement);
     if (smr_field_of_image(&f->occluded))
         visible = smr_occluded_field_blend_image(&f->occluded, v, visible, displacement);
     else if (visible == SMR_NO_GOAL)
-        *displacement = smr_fill_displacement(&f->image, v);
+        *displacement = f->image.calls->fill(&f->image, v);
     else if (visible == SMR_INVISIBLE && smr_field_of_part(&f->occluded))
         *displacement = smr_occluded_field_follow(&f->occluded, v);
     const uint8_t found = found_of[visible];

@@ -59,7 +59,10 @@ typedef struct smr_points_then {
     uint32_t n;   /* number of points of the cloud */
 } smr_points_then;
 
+struct smr_cloud_calls;
+
 typedef struct smr_surface_goals {
+    const struct smr_cloud_calls *clouds; /* functions for clouds of points; NULL: no cloud was set */
     const smr_shared *shared;
     const smr_schedule *schedule;
     const smr_shape *shape;

@@ -23,8 +23,8 @@ static void forces_end(smr *s)
     s->report.details.residual_max_mm = t->n_residuals > 0u ? t->max : -1.0f;
     if (smr_tracks(&s->schedule))
         smr_tracking_find_jump(s);
-    if (smr_visibility_on(&s->forces.surface))
-        smr_visibility_note_view(&s->forces.surface);
+    if (s->forces.surface.clouds != NULL)
+        s->forces.surface.clouds->view(&s->forces.surface);
 }
 
 static void track_rest_end(smr *s)
