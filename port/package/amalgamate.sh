@@ -29,6 +29,7 @@ names() {
         for (i = 1; i <= n; i++) if (part[i] ~ /^[ \t]*[A-Za-z_]/) say(first_word(part[i]))
     }
     FNR == 1 { listing = 0 }
+    { sub(/^SMR_[A-Z]+ /, "") } # an attribute
     /^[ \t]*#[ \t]*define/ && FILENAME ~ /\.h$/ { sub(/^[ \t]*#[ \t]*define/, ""); say(first_word($0)); next }
     /^[ \t]*#/ { next }
     /^(typedef )?enum .*\{/ { listing = 1; sub(/^[^{]*\{/, "") }

@@ -21,7 +21,8 @@ _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754
 
 #define SMR_SQRT(x) __builtin_sqrtf(x)
 #define SMR_SHARED __attribute__((noinline)) /* marks a function with many callers, of which copies would take room */
-#define SMR_UNUSED __attribute__((unused))   /* marks a parameter that the function type demands but nothing reads */
+#define SMR_SELDOM __attribute__((cold))   /* marks a function that runs at most a few times an iteration: less code */
+#define SMR_UNUSED __attribute__((unused)) /* marks a parameter that the function type demands but nothing reads */
 
 /* Makes the calling function return the status of `call`, unless it is SMR_OK. */
 #define SMR_TRY(call)                                                                                                  \
@@ -87,41 +88,10 @@ static inline smr_piece smr_part(uint32_t n, uint32_t k, uint32_t parts)
     return (smr_piece){(uint32_t)((uint64_t)n * k / parts), (uint32_t)((uint64_t)n * (k + 1u) / parts)};
 }
 
-/* A parallel loop run by the caller's port. Sums of task numbers, one a worker, reveal a task that did not run. */
-typedef struct smr_loop {
-    smr_task run;
-    void *arg;
-    uint32_t n_workers, n_tasks;
-    uint32_t done[SMR_WORKERS_MAX]; /* sum of 2 task + 1 over the worker's tasks, modulo 2^32 */
-} smr_loop;
-
-static inline void smr_loop_task(void *arg, uint32_t task, uint32_t worker)
-{
-    smr_loop *l = arg;
-    if (worker >= l->n_workers)
-        return; /* the port gave a worker number out of range, for which there is no memory */
-    if (task < l->n_tasks)
-        l->run(l->arg, task, worker);
-    l->done[worker] += 2u * task + 1u;
-}
-
 /* Calls run(arg, t, worker) once for each task t in 0 .. n_tasks-1. Returns 1 when all tasks are done, 0 when the port
  * has not run each task once. Without a parallel port, or with one task, the calling thread runs the tasks in order.
  * n_tasks must follow from the model, never from the number of workers, so that results do not depend on that. */
-static inline int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
-{
-    if (port->parallel != NULL && n_tasks > 1u) {
-        smr_loop loop = {run, arg, port->n_workers, n_tasks, {0}};
-        uint32_t left = n_tasks * n_tasks; /* sum of 2 task + 1 over all tasks, less those done */
-        port->parallel(port->ctx, smr_loop_task, &loop, n_tasks);
-        for (uint32_t w = 0; w < loop.n_workers; w++)
-            left -= loop.done[w];
-        return left == 0u;
-    }
-    for (uint32_t t = 0; t < n_tasks; t++)
-        run(arg, t, 0u);
-    return 1;
-}
+int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks);
 
 /* Union-find: returns the root of i's set and shortens the path to it. parent[i]: the element above i; i for a root. */
 static inline uint32_t smr_set_root(uint32_t *parent, uint32_t i)

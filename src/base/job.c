@@ -3,6 +3,39 @@
  * SPDX-License-Identifier: MIT */
 #include "base/job.h"
 
+/* A parallel loop run by the caller's port. Sums of task numbers, one a worker, reveal a task that did not run. */
+typedef struct loop {
+    smr_task run;
+    void *arg;
+    uint32_t n_workers, n_tasks;
+    uint32_t done[SMR_WORKERS_MAX]; /* sum of 2 task + 1 over the worker's tasks, modulo 2^32 */
+} loop;
+
+static void loop_task(void *arg, uint32_t task, uint32_t worker)
+{
+    loop *l = arg;
+    if (worker >= l->n_workers)
+        return; /* the port gave a worker number out of range, for which there is no memory */
+    if (task < l->n_tasks)
+        l->run(l->arg, task, worker);
+    l->done[worker] += 2u * task + 1u;
+}
+
+int smr_fork(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks)
+{
+    if (port->parallel != NULL && n_tasks > 1u) {
+        loop all = {run, arg, port->n_workers, n_tasks, {0}};
+        uint32_t left = n_tasks * n_tasks; /* sum of 2 task + 1 over all tasks, less those done */
+        port->parallel(port->ctx, loop_task, &all, n_tasks);
+        for (uint32_t w = 0; w < all.n_workers; w++)
+            left -= all.done[w];
+        return left == 0u;
+    }
+    for (uint32_t t = 0; t < n_tasks; t++)
+        run(arg, t, 0u);
+    return 1;
+}
+
 /* A parallel loop over tasks from `first` on. */
 typedef struct part {
     void *job;
@@ -14,6 +47,18 @@ static void run_task(void *arg, uint32_t task, uint32_t worker)
 {
     const part *p = arg;
     p->run(p->job, p->first + task, worker);
+}
+
+const smr_port smr_alone = {NULL, 1, NULL, NULL};
+
+smr_job_head smr_job_begin(const smr_stage *stages, uint32_t n_stages, const smr_port *port)
+{
+    return (smr_job_head){.magic = SMR_JOB_MAGIC,
+                          .status = SMR_PARTIAL,
+                          .stages = stages,
+                          .n_stages = n_stages,
+                          .most_workers = SMR_WORKERS_MAX,
+                          .port = port != NULL && port->n_workers > 0u ? *port : smr_alone};
 }
 
 uint32_t smr_in_order(const void *job) { return (void)job, 1u; }
@@ -67,4 +112,9 @@ smr_status smr_job_step(smr_job *job, uint32_t units, const smr_port *port, uint
     if (h->guard != NULL)
         (void)h->guard(h, 0);
     return h->status;
+}
+
+smr_status smr_job_whole(smr_status begun, smr_job *job, const smr_port *port)
+{
+    return begun == SMR_OK ? smr_job_step(job, 0, port, 0) : begun;
 }

@@ -34,15 +34,12 @@ typedef struct smr_job_head {
 #define SMR_JOB_MAGIC 0x736d724au
 
 /* Returns the head of a new job. port NULL, or empty: one worker, no clock. */
-static inline smr_job_head smr_job_begin(const smr_stage *stages, uint32_t n_stages, const smr_port *port)
-{
-    return (smr_job_head){.magic = SMR_JOB_MAGIC,
-                          .status = SMR_PARTIAL,
-                          .stages = stages,
-                          .n_stages = n_stages,
-                          .most_workers = SMR_WORKERS_MAX,
-                          .port = port != NULL && port->n_workers > 0u ? *port : (smr_port){NULL, 1, NULL, NULL}};
-}
+smr_job_head smr_job_begin(const smr_stage *stages, uint32_t n_stages, const smr_port *port);
+
+extern const smr_port smr_alone; /* one worker, no clock */
+
+/* Runs the job of a call whole, if `begun`, the status of the call's begin, is OK. Returns the call's status. */
+smr_status smr_job_whole(smr_status begun, smr_job *job, const smr_port *port);
 
 /* Runs the current stage once more, or goes on with other stages, when the stage is over. */
 static inline void smr_job_again(smr_job_head *h) { h->next_stage = h->stage; }

@@ -65,10 +65,7 @@ static inline float smr_whole_number(float a)
 }
 
 /* Returns a with each coordinate rounded to a whole number. Subtracting a whole origin loses few digits or none. */
-static inline smr_vec smr_whole(smr_vec a)
-{
-    return smr_v(smr_whole_number(a.x), smr_whole_number(a.y), smr_whole_number(a.z));
-}
+smr_vec smr_whole(smr_vec a);
 
 /* Returns 1 when each coordinate is finite and within +-limit. */
 static inline int smr_within3(smr_vec a, float limit)

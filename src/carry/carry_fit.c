@@ -267,8 +267,7 @@ static const smr_stage stages[] = {
 smr_status smr_carry_fit_begin(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                                const smr_port *port, void *memory, size_t bytes, smr_carry **carry, smr_job *job)
 {
-    const smr_port alone = {NULL, 1, NULL, NULL};
-    const smr_port *used = port != NULL ? port : &alone;
+    const smr_port *used = port != NULL ? port : &smr_alone;
     binding *const b = (binding *)(void *)job;
     size_t needed;
     smr_arena a;

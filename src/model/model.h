@@ -136,14 +136,6 @@ static inline uint32_t smr_index_at(const void *list, uint32_t width, size_t i)
     return width == 2u ? smr_le16(((const uint16_t *)list)[i]) : smr_le32(((const uint32_t *)list)[i]);
 }
 
-/* Returns entry i of the order L as four 32-bit words. */
-static inline smr_entry32 smr_entry_at(const smr_lists *l, size_t i)
-{
-    const uint32_t width = l->index_bytes;
-    return (smr_entry32){smr_index_at(l->entry, width, 4u * i), smr_index_at(l->entry, width, 4u * i + 1u),
-                         smr_index_at(l->entry, width, 4u * i + 2u), smr_index_at(l->entry, width, 4u * i + 3u)};
-}
-
 /* Returns |zeta|, the number of vertices in the cluster of stored vertex v. */
 static inline uint32_t smr_list_count(const smr_lists *l, uint32_t v)
 {

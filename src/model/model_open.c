@@ -36,7 +36,7 @@ uint32_t smr_open_vertex_tasks(const void *job) { return smr_open_pieces(smr_le3
 
 /* Checks rest positions, masses and ranges of profiles, that position and original are inverse to each other, and that
  * owner agrees with the structures. */
-static void check_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+SMR_SELDOM static void check_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_opening *j = job;
     const smr_model *m = j->m;
@@ -133,7 +133,7 @@ static int check_profile_table(const smr_model *m)
 static uint32_t triangle_tasks(const void *job) { return smr_open_pieces(smr_le32(smr_opened(job)->n_triangles)); }
 
 /* Checks that the corners and the caller's index of each triangle belong to the triangle's structure. */
-static void check_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+SMR_SELDOM static void check_triangles(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_opening *j = job;
     const smr_model *m = j->m;
@@ -234,7 +234,6 @@ static uint32_t byte_tasks(const void *job)
     return smr_ceil_div(smr_le32(smr_opened(job)->bytes) - SMR_MODEL_HEAD, SMR_OPEN_BYTES);
 }
 
-/* Compares the checksum of the bytes. */
 static void sum_bytes(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_opening *j = job;
@@ -244,8 +243,7 @@ static void sum_bytes(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_open_require(j, j->crc == smr_le32(j->m->checksum));
 }
 
-/* Checks all tables: structures, radii, sections. */
-static void check_tables(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+SMR_SELDOM static void check_tables(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_model *m = smr_opened(job);
     int legal = check_sections(m) && check_structures(m) && check_vertex_table(m) && check_profile_table(m) &&
@@ -261,7 +259,6 @@ static void first_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_
     ((smr_opening *)job)->k = 0;
 }
 
-/* Goes on with the next radius, or ends. */
 static void next_radius(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_opening *j = job;
@@ -308,6 +305,5 @@ smr_status smr_model_open_begin(const void *memory, size_t bytes, const smr_mode
 smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model)
 {
     smr_job job;
-    SMR_TRY(smr_model_open_begin(memory, bytes, model, &job));
-    return smr_job_step(&job, 0, NULL, 0);
+    return smr_job_whole(smr_model_open_begin(memory, bytes, model, &job), &job, NULL);
 }

@@ -127,7 +127,7 @@ static int next_window(smr_opening *j, uint32_t first, uint32_t last, uint64_t n
 }
 
 /* Checks a piece of the blocks: each vertex of a block has exactly one entry, found window by window. */
-void smr_open_blocks(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+SMR_SELDOM void smr_open_blocks(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_opening *j = job;
     const smr_lists l = lists_of(j);

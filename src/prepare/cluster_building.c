@@ -46,7 +46,6 @@ __attribute__((noinline)) uint32_t smr_leaf_members(const smr_node *leaf, smr_ve
     return near;
 }
 
-/* A ball around a vertex. */
 typedef struct ball {
     smr_vec centre;   /* centre of the ball, mm */
     smr_boundary at;  /* squared distances between which the ball's boundary lies */

@@ -19,7 +19,6 @@ typedef struct block {
 #define SMR_VERTEX_CHUNK 32u /* number of vertices that a task processes */
 #define SMR_EDGE_CHUNK 512u  /* number of edges that a task processes */
 
-/* Sorts n numbers ascending by insertion. */
 static void sort_few(uint32_t *number, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {

@@ -16,28 +16,11 @@ typedef struct smr_measuring {
 /* Returns 1 when the registration can be measured: no iteration is under way. */
 static inline int smr_measurable(const smr *s) { return smr_ready(s) && s->step == 0u && s->next_task == 0u; }
 
-static inline smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, uint32_t n_stages)
-{
-    s->n_measured++;
-    smr_guard_close(s);
-    return (smr_measuring){smr_job_begin(stages, n_stages, &s->port), s, s->log.changes, s->n_measured};
-}
+smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, uint32_t n_stages);
 
 /* A guard: keeps ticks and setters out while a step runs. Returns 0 before a step when `legal` is 0, or a tick, a
  * setter or another measure has come since the begin. */
-static inline int smr_hold_guard(smr_measuring *m, int enter, int legal)
-{
-    smr *const s = m->s;
-    const smr_status sound = enter ? smr_sound(s) : SMR_OK;
-    if (sound != SMR_OK) {
-        m->head.status = sound; /* closing the guard would hide the fault */
-        return 0;
-    }
-    if (enter && (!legal || s->log.changes != m->changes || s->n_measured != m->turn))
-        return 0;
-    s->ticking = enter ? SMR_TICKING : 0u; /* back to 0 after a step, so the guard's sums still hold */
-    return 1;
-}
+int smr_hold_guard(smr_measuring *m, int enter, int legal);
 
 /* The same for a measure between iterations. */
 static inline int smr_measure_guard(smr_measuring *m, int enter)

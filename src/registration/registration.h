@@ -107,14 +107,6 @@ struct smr {
     smr_guard guard;    /* last: covers all members before it */
 };
 
-/* Goes back to the start of an iteration. */
-static inline void smr_place_reset(smr *s)
-{
-    s->step = s->next_task = s->n_shares = s->n_dealt = 0;
-    for (uint32_t k = 0; k < s->shared.config.basic.n_workers; k++)
-        smr_worker_start(&s->shared.worker[k]);
-}
-
 /* Returns 1 for a registration at the address that smr_init() gave it. */
 static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC && s->placed == s; }
 

@@ -46,7 +46,6 @@ static smr_vec arm_of(const smr_normal_field *f, smr_vec at)
 /* Returns the displacement, mm, by the motion from the start at an arm of arm_of(). */
 static smr_vec motion_at(const smr_normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
 
-/* Sets lane l of the places to a start position and its normal. */
 static void set_place(const smr_normal_field *f, places *p, uint32_t l, smr_vec at, smr_vec normal)
 {
     const smr_vec arm = arm_of(f, at);
@@ -290,7 +289,6 @@ uint32_t smr_errors_add_tasks(const void *job)
     return smr_ceil_div(smr_judged((const smr_judgement *)job)->n_vertices, SMR_JUDGE_PIECE);
 }
 
-/* Adds the expected errors of a piece of the vertices to the measures. */
 void smr_errors_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;

@@ -28,7 +28,6 @@ static uint32_t place(smr_normal_field *f, const smr *s)
     return most;
 }
 
-/* Returns 1 for a visible vertex with a normal. */
 static int is_observed(const smr_judgement *j, uint32_t v)
 {
     const smr_vec n = smr_get3(j->s->shape.normal, v);
@@ -41,7 +40,6 @@ uint32_t smr_observed_tasks(const void *job)
     return smr_follows_landmarks(j->s, j->structure) ? 0u : smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE);
 }
 
-/* Counts the structure's observed vertices. */
 void smr_observed_count(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;

@@ -248,6 +248,5 @@ smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, f
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio)
 {
     smr_job job;
-    SMR_TRY(smr_local_volume_begin(s, structure, radius_mm, ratio, &job));
-    return smr_job_step(&job, 0, NULL, 0);
+    return smr_job_whole(smr_local_volume_begin(s, structure, radius_mm, ratio, &job), &job, NULL);
 }

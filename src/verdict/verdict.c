@@ -48,7 +48,6 @@ const char *smr_reason_text(uint32_t bit)
     }
 }
 
-/* Adds the measures of one structure to those of the whole model. */
 static void add_all(smr_evidence *to, const smr_evidence *more)
 {
     for (uint32_t i = 0; i < SMR_MEANS; i++) {
@@ -216,7 +215,6 @@ static uint32_t copy_tasks(const void *job)
     return j->verdict == NULL ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE) : 0u;
 }
 
-/* Copies the expected errors of a piece of the vertices to the caller's arrays. */
 static void copy_expected(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_judgement *j = job;
@@ -309,15 +307,13 @@ smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *acro
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
 {
     smr_job job;
-    SMR_TRY(smr_verdict_begin(s, structure, verdict, &job));
-    return smr_job_step(&job, 0, NULL, 0);
+    return smr_job_whole(smr_verdict_begin(s, structure, verdict, &job), &job, NULL);
 }
 
 static smr_status get_expected(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm)
 {
     smr_job job;
-    SMR_TRY(smr_expected_begin(s, structure, mm, across_mm, along_mm, &job));
-    return smr_job_step(&job, 0, NULL, 0);
+    return smr_job_whole(smr_expected_begin(s, structure, mm, across_mm, along_mm, &job), &job, NULL);
 }
 
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm)

@@ -55,7 +55,6 @@ static float scale_of(const smr_pose *p)
                     (1.0f / 3.0f));
 }
 
-/* Adds the strain of triangle t's edges. */
 static void add_edges(smr_judgement *j, const uint32_t *t)
 {
     const smr *s = j->s;

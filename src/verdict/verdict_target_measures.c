@@ -15,14 +15,12 @@
 #define SMR_MEASURE_PIECE 8u   /* triangles of the target or points in a task that searches for each of them */
 #define SMR_MEASURE_NORMALS 5u /* triangles of the model in a task, which are searched for together */
 
-/* Returns the share of a triangle's corners that are visible. */
 static float visible_part(const smr_judgement *j, const uint32_t *t)
 {
     const unsigned char *visible = smr_judged_visible(j);
     return (float)(visible[t[0]] + visible[t[1]] + visible[t[2]]) * (1.0f / 3.0f);
 }
 
-/* Returns the centre of a triangle with these corners. */
 static smr_vec centre_of(smr_corner_values v) { return smr_scale(smr_add(v.a, smr_add(v.b, v.c)), 1.0f / 3.0f); }
 
 /* Finds the point closest to q, within the squared distance most2, on the structures that share a target. Returns the
@@ -69,7 +67,6 @@ static int add_query(const smr_judgement *j, group *g, uint32_t item, smr_vec at
     return g->n == SMR_GROUP_POINTS;
 }
 
-/* Searches the target for a group. */
 static void search_group(const smr_judgement *j, group *g)
 {
     const smr_tree_mask mask = mask_of(j);
@@ -78,7 +75,6 @@ static void search_group(const smr_judgement *j, group *g)
         smr_closest_group(&smr_judged_target(j)->tree, masked ? &mask : NULL, g->query, g->n, g->hit);
 }
 
-/* Stores the distances of a group of vertices. */
 static void take_distances(const smr_judgement *j, group *g)
 {
     search_group(j, g);
@@ -94,7 +90,6 @@ uint32_t smr_distances_tasks(const void *job)
     return j->by == SMR_BY_SURFACE ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_MEASURE_GROUP) : 0u;
 }
 
-/* Finds the distances of a group of vertices. */
 void smr_distances_find(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_judgement *j = job;
@@ -203,7 +198,6 @@ uint32_t smr_cover_tasks(const void *job)
                : 0u;
 }
 
-/* Returns 1 when a structure that shares the target has triangles. */
 static int shares_triangles(const smr_judgement *j)
 {
     for (uint32_t i = 0; i < j->s->shared.n_structures; i++)
@@ -265,7 +259,6 @@ uint32_t smr_cloud_tasks(const void *job)
     return j->by == SMR_BY_CLOUD ? smr_ceil_div(smr_judged_target(j)->n_vertices, SMR_MEASURE_PIECE) : 0u;
 }
 
-/* Measures the distance of points that belong to the structure. */
 void smr_cloud_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;

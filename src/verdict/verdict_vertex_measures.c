@@ -58,7 +58,6 @@ uint32_t smr_list_tasks(const void *job)
     return smr_ceil_div(((const smr_judgement *)job)->s->shared.n, SMR_JUDGE_PIECE);
 }
 
-/* Lists the structure's vertices among a piece of all vertices. */
 void smr_list_vertices(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;

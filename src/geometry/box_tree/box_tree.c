@@ -31,7 +31,6 @@ smr_box smr_node_box(const smr_node *node)
     return box;
 }
 
-/* Sets the boxes of all eight children of the node to the empty box. */
 static void clear_node(smr_node *node)
 {
     for (uint32_t axis = 0; axis < 3u; axis++)

@@ -51,7 +51,6 @@ static const float *point_of(const smr_order *o, uint32_t i)
     return o->centre + 3u * (size_t)smr_index(o->order[o->first + i], o->n);
 }
 
-/* Extends the box around the range's centres by the centres from .. to-1. */
 static void grow_box(smr_order *o, uint32_t from, uint32_t to)
 {
     for (uint32_t a = 0; from == 0u && a < 3u; a++)

@@ -43,7 +43,6 @@ static uint32_t list_nodes(const smr_box_tree *f, smr_box box, float bound, uint
     return n;
 }
 
-/* Searches a leaf for q's closest triangle. */
 static void search_leaf(const smr_box_tree *f, const smr_tree_mask *mask, const smr_query *q, uint32_t leaf,
                         smr_hit *hit)
 {

@@ -57,8 +57,3 @@ uint64_t smr_mesh_edges(const uint32_t *triangle, uint32_t n_triangles)
     }
     return sum;
 }
-
-int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles)
-{
-    return n_triangles > 0u && smr_mesh_edges(triangle, n_triangles) == 0u;
-}

@@ -14,9 +14,8 @@ void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area);
  * NULL, also a third of the triangle's area, mm^2, to area[] of the corners. */
 void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t n_vertices, uint32_t first,
                           uint32_t last, float *normal, float *area);
-/* Returns the sum of hashes of the triangles' edges: 0 where each edge has as many triangles in either direction. */
+/* Returns the sum of hashes of the triangles' edges: 0 for a closed mesh, whose edges have as many triangles in either
+ * direction. */
 uint64_t smr_mesh_edges(const uint32_t *triangle, uint32_t n_triangles);
-/* Returns 1 for a closed mesh: each edge has as many triangles in either direction. A 64-bit sum of hashes decides. */
-int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles);
 
 #endif

@@ -21,7 +21,6 @@ typedef struct near_leaf {
     smr_sweep_place middle;
 } near_leaf;
 
-/* A measurement in progress. */
 typedef struct contact {
     smr_job_head head;
     smr_sweep sweep[2]; /* of a in b, and of b in a */
@@ -83,7 +82,6 @@ static void test_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     c->near[task].leaf = is_near ? leaf : SMR_NONE;
 }
 
-/* Keeps the near leaves, in their order. */
 static void keep_near(void *job, uint32_t first, uint32_t last)
 {
     contact *c = job;
@@ -157,7 +155,6 @@ static void take_points(void *job, uint32_t first, uint32_t last)
     }
 }
 
-/* Goes back to the test of the next leaves. */
 static void next_leaves(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     contact *c = job;
@@ -222,7 +219,6 @@ static void run_line(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     place_of(c, task)->sum = smr_line_inside(&l);
 }
 
-/* Adds lines in pairs. */
 static void take_lines(void *job, uint32_t first, uint32_t last)
 {
     contact *c = job;
@@ -304,6 +300,5 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
 smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report)
 {
     smr_job job;
-    SMR_TRY(smr_surface_contact_begin(a, b, within_mm, report, &job));
-    return smr_job_step(&job, 0, NULL, 0);
+    return smr_job_whole(smr_surface_contact_begin(a, b, within_mm, report, &job), &job, NULL);
 }

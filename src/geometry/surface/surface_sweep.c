@@ -21,7 +21,6 @@ static int find_side(const smr_sweep *s, smr_vec p, float most, float deep, smr_
     return 1;
 }
 
-/* Returns the distance between two places, rounded up. */
 static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_SWEEP_MORE + SMR_SWEEP_MORE_MM; }
 
 /* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper

@@ -5,7 +5,6 @@
 
 #define SMR_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 
-/* Returns the checksum `sum` continued by one more value. */
 static uint64_t add(uint64_t sum, uint64_t value) { return smr_mix(sum * SMR_GOLDEN + value); }
 
 /* Kinds of parts: one value; points; floats; a surface's triangles; voxels of 1, 2 or 4 bytes. */

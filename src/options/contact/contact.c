@@ -103,6 +103,13 @@ static void place_box(smr_contact *c, uint32_t body)
     c->box[body] = (smr_box){smr_add(box.lo, shift), smr_add(box.hi, shift)};
 }
 
+int smr_contact_acts(const smr_contact *c)
+{
+    return c->schedule->repairing == 0u &&
+           (c->shared->n_structures == 1u || smr_at_last_radius(c->shared, c->schedule) ||
+            smr_model_separate(c->shared->model, c->schedule->radius));
+}
+
 void smr_contact_begin(smr_contact *c)
 {
     for (uint32_t i = 0; c->touch != NULL && i < n_bodies(c->shared); i++)

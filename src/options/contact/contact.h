@@ -66,13 +66,9 @@ smr_status smr_fixed_valid(const smr_contact *c);
 
 static inline int smr_contact_used(const smr_contact *c) { return SMR_HAS_CONTACT && c->touch != NULL; }
 
-/* Returns 1 when contacts act in this iteration: not while clusters span structures, which would cancel contacts. */
-static inline int smr_contact_on(const smr_contact *c)
-{
-    return smr_contact_used(c) && c->schedule->repairing == 0u &&
-           (c->shared->n_structures == 1u || smr_at_last_radius(c->shared, c->schedule) ||
-            smr_model_separate(c->shared->model, c->schedule->radius));
-}
+/* Return 1 when contacts act in this iteration: not while clusters span structures, which would cancel contacts. */
+int smr_contact_acts(const smr_contact *c);
+static inline int smr_contact_on(const smr_contact *c) { return smr_contact_used(c) && smr_contact_acts(c); }
 
 /* Write the contacts of vertex v to `touch`; triangle_touch[triangle]. w->pause.kept: the same call continues. */
 void smr_contact_find(smr_contact *c, uint32_t v, smr_worker *w);

@@ -119,7 +119,7 @@ static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
 }
 
 /* Computes weights of fits from masses. A pinned vertex outweighs the rest of its cluster, which turns about it. */
-void smr_time_steps_weigh(smr *s)
+SMR_SELDOM void smr_time_steps_weigh(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
     smr_shared *c = &s->shared;

@@ -80,11 +80,7 @@ static inline smr_vec smr_dynamics_speed(const smr_dynamics *d, uint32_t v)
 }
 
 /* Returns the position of vertex v at the end of the time step without springs, mm: y = x + keeps (h v + h^2 g). */
-static inline smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v)
-{
-    const smr_vec displacement = smr_scale(smr_dynamics_speed(d, v), d->step_s), x = smr_get3(d->begin, v);
-    return smr_clamped(smr_add(smr_add(x, displacement), d->mass[v] > 0.0f ? d->fall : smr_v(0, 0, 0)), SMR_FARTHEST);
-}
+smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v);
 
 /* Returns where the rest shape is fitted at vertex v after a sweep, mm, so that clusters fit only motion besides
  * the rigid one: the position x; at the end of a time step, the prediction y for the next one. */

@@ -242,3 +242,9 @@ void smr_step_velocities(smr *s)
         smr_put3(d->begin, v, x);
     }
 }
+
+smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v)
+{
+    const smr_vec displacement = smr_scale(smr_dynamics_speed(d, v), d->step_s), x = smr_get3(d->begin, v);
+    return smr_clamped(smr_add(smr_add(x, displacement), d->mass[v] > 0.0f ? d->fall : smr_v(0, 0, 0)), SMR_FARTHEST);
+}

@@ -148,7 +148,6 @@ static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, f
     return r;
 }
 
-/* Returns 1 when the samples line[n] are not all equal. */
 static int varies(const float *line, uint32_t n)
 {
     uint32_t k = 1;
@@ -285,7 +284,7 @@ static int hidden(smr_image_goals *g, uint32_t v)
     return SMR_INVISIBLE;
 }
 
-static int find_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
+static int image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_config *const c = &g->shared->config;
     const float profile_mm = sought_mm(g, v);
@@ -335,7 +334,7 @@ static int find_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 
 void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)
 {
-    static const smr_image_calls all = {find_goal, ahead, smr_fill_structure, smr_fill_displacement};
+    static const smr_image_calls all = {image_goal, ahead, smr_fill_structure, smr_fill_displacement};
     g->calls = &all;
     g->grid = *image;
     g->noise = smr_grid_noise(image);

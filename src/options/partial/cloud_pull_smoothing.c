@@ -90,7 +90,7 @@ static void end_round(smr_point_spread *p)
     p->n_reached = 0;
 }
 
-static void spread(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_point_spread *p = arg;
     const uint32_t n = p->shared->n_tasks, of_triangles = round_tasks(p) - n;
@@ -117,7 +117,7 @@ static void spread(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         end_round(p);
 }
 
-static int find_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
+static int cloud_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_vec p = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     const float *s = g->spread + 4u * (size_t)v;
@@ -130,7 +130,7 @@ static int find_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
     return 1;
 }
 
-const smr_cloud_calls smr_clouds = {find_goal, spread, smr_visibility_note_view, smr_points_checksum};
+const smr_cloud_calls smr_clouds = {cloud_goal, spread_pulls, smr_visibility_note_view, smr_points_checksum};
 
 void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
 {

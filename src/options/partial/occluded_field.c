@@ -113,7 +113,6 @@ static void add_control(smr_occluded_field *f, uint32_t k, smr_vec from, smr_vec
     smr_fit_add(fit, from, to, weight);
 }
 
-/* Makes landmark k control k. */
 static void add_landmark(smr_occluded_field *f, uint32_t k)
 {
     const smr_landmark_goals *g = f->landmarks;
@@ -167,7 +166,6 @@ static void add_controls(smr_occluded_field *f, uint32_t first, uint32_t last)
             add_vertex(f, k, smr_index(choice(f)->control[k - f->landmarks->n], f->shared->n), ratio);
 }
 
-/* Fits the pose to all controls. */
 static void fit_pose(smr_occluded_field *f)
 {
     f->pose = smr_fit_solve(&f->fit, f->n >= SMR_FIELD_LEAST);
@@ -175,7 +173,6 @@ static void fit_pose(smr_occluded_field *f)
         smr_field_normals_begin(f, middle_of(f));
 }
 
-/* Computes the residuals of controls first .. last - 1. */
 static void find_residuals(smr_occluded_field *f, uint32_t first, uint32_t last)
 {
     if (f->by_normals)

@@ -27,7 +27,6 @@ uint32_t smr_field_normals_only(const smr_occluded_field *f)
     return f->shared->config.partial.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
 }
 
-/* Returns the smallest power of two that is at least n. */
 static uint32_t period(uint32_t n)
 {
     uint32_t bits = 0;

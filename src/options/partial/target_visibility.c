@@ -89,7 +89,6 @@ static void add_corner(const smr_surface_goals *g, const smr_shape_structure *on
     a->distance += weight * SMR_SQRT(d2);
 }
 
-/* Returns the index of the first vertex of a target in target_warm. */
 static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target)
 {
     uint32_t k = 0;
@@ -192,7 +191,6 @@ uint32_t smr_visibility_tasks(const void *arg)
     return counts ? smr_ceil_div(g->schedule->n_active, SMR_VISIBLE_CHUNK) : 0u;
 }
 
-/* Counts the vertices that are visible and judged in the current forces. */
 void smr_visibility_count(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_surface_goals *g = arg;

@@ -63,7 +63,6 @@ static void report_forces(const smr *s, const smr_shape_structure *one, smr_stru
     report->residual_max_mm = most;
 }
 
-/* Returns 1 when a landmark is bound to the structure. */
 static int has_landmark(const smr *s, uint32_t structure)
 {
     const smr_landmark_goals *g = &s->forces.landmarks;

@@ -22,7 +22,7 @@ static uint32_t parts_of(const smr_shared *shared)
            (SMR_HAS_DYNAMICS && c->dynamics.mode ? SMR_PART_DYNAMICS : 0u) | (caller ? SMR_PART_CALLER : 0u);
 }
 
-void smr_count(smr *s, const smr_model *model, const smr_config *config)
+SMR_SELDOM void smr_count(smr *s, const smr_model *model, const smr_config *config)
 {
     memset(s, 0, sizeof *s);
     s->shared.model = model;
@@ -39,7 +39,7 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
     s->shared.parts = parts_of(&s->shared);
 }
 
-smr *smr_layout(smr_arena *a, smr *s)
+SMR_SELDOM smr *smr_layout(smr_arena *a, smr *s)
 {
     const smr_shared *shared = &s->shared;
     const size_t n_field = SMR_HAS_PARTIAL ? smr_occluded_field_words(shared) : 0u;
@@ -217,11 +217,9 @@ static void find_bulk(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
 {
     smr_starting *j = job;
     smr *s = j->job.s;
-    if (smr_bulk_add(&j->bulk, &s->shape, j->k, NULL)) {
-        if (SMR_HAS_CONTACT) {
-            smr_volumes_model(&s->volumes, j->k, &j->bulk);
-            smr_contact_model(&s->forces.contact, j->k, &j->bulk);
-        }
+    if (SMR_HAS_CONTACT && smr_bulk_add(&j->bulk, &s->shape, j->k, NULL)) {
+        smr_volumes_model(&s->volumes, j->k, &j->bulk);
+        smr_contact_model(&s->forces.contact, j->k, &j->bulk);
         j->bulk = (smr_bulk){.at = 0};
         j->k++;
     }
@@ -317,13 +315,8 @@ static const smr_stage stages_before[] = {
     {NULL, go_start, NULL, NULL},
 };
 
-void smr_init_go(smr_initing *j)
-{
-    smr_job_go(&j->start.job.head, stages_before, sizeof stages_before / sizeof stages_before[0]);
-}
-
-smr_status smr_init_check(smr_initing *j, const smr_model *model, const smr_config *config, const smr_port *port,
-                          void *arena, size_t bytes, smr **out)
+SMR_SELDOM smr_status smr_init_check(smr_initing *j, const smr_model *model, const smr_config *config,
+                                     const smr_port *port, void *arena, size_t bytes, smr **out)
 {
     smr_arena a;
     if (out == NULL || j == NULL)
@@ -357,8 +350,6 @@ smr_status smr_init_begin(const smr_model *model, const smr_config *config, cons
 smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena, size_t bytes,
                     smr **s)
 {
-    static const smr_port alone = {NULL, 1, NULL, NULL};
     smr_job job;
-    SMR_TRY(smr_init_begin(model, config, port, arena, bytes, s, &job));
-    return smr_job_step(&job, 0, &alone, 0);
+    return smr_job_whole(smr_init_begin(model, config, port, arena, bytes, s, &job), &job, &smr_alone);
 }

@@ -52,7 +52,6 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
     return read_info(from, info);
 }
 
-/* A restore in progress. */
 typedef struct restoring {
     smr_initing init;
     const unsigned char *from;
@@ -247,11 +246,10 @@ static void restore_whole(smr_job *job) { ((restoring *)(void *)job)->whole = 1;
 smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                        size_t saved_bytes, void *arena, size_t bytes, smr **s)
 {
-    static const smr_port alone = {NULL, 1, NULL, NULL};
     smr_job job;
     SMR_TRY(smr_restore_begin(model, config, port, saved, saved_bytes, arena, bytes, s, &job));
     restore_whole(&job);
-    return smr_job_step(&job, 0, &alone, 0);
+    return smr_job_step(&job, 0, &smr_alone, 0);
 }
 
 smr_status smr_get_awaited(const smr *s, uint32_t *n)

@@ -216,11 +216,10 @@ static void save_whole(smr_job *job) { ((saving *)(void *)job)->whole = 1; }
 
 smr_status smr_save(const smr *s, void *memory, size_t bytes)
 {
-    static const smr_port alone = {NULL, 1, NULL, NULL};
     smr_job job;
     if (s == NULL || memory == NULL)
         return SMR_E_NULL;
     SMR_TRY(smr_valid(s) ? smr_save_begin(s->placed, memory, bytes, &job) : SMR_E_STATE);
     save_whole(&job);
-    return smr_job_step(&job, 0, &alone, 0);
+    return smr_job_step(&job, 0, &smr_alone, 0);
 }

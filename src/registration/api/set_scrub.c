@@ -72,7 +72,6 @@ static size_t add_slice(const input *i, size_t at, uint32_t *sum)
     return at + n;
 }
 
-/* Stores the checksum of an input that was set. */
 static void learn_one(const input *i)
 {
     uint32_t sum = 0;
@@ -215,7 +214,6 @@ static void check_model(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
     j->at = j->sum = 0;
 }
 
-/* Stores the checksums of all inputs, a piece at a time. */
 static void sum_inputs(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     starting *j = job;
@@ -291,10 +289,8 @@ smr_status smr_set_scrub_begin(smr *s, uint32_t what, smr_job *job)
 
 smr_status smr_set_scrub(smr *s, uint32_t what)
 {
-    static const smr_port alone = {NULL, 1, NULL, NULL};
     smr_job job;
-    SMR_TRY(smr_set_scrub_begin(s, what, &job));
-    return smr_job_step(&job, 0, &alone, 0);
+    return smr_job_whole(smr_set_scrub_begin(s, what, &job), &job, &smr_alone);
 }
 
 smr_status smr_scrub(smr *s, uint64_t budget_ns)

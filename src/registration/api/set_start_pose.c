@@ -21,7 +21,6 @@ static smr_piece piece_of(const smr *s, uint32_t task) { return smr_piece_of(tas
 uint32_t smr_start_vertices(const void *job) { return pieces(in(job)->shared.n); }
 static int is_last(const void *job, uint32_t task) { return task + 1u == smr_start_vertices(job); }
 
-/* Returns the number of vertices whose positions are set. */
 static uint32_t n_given(const smr_starting *j)
 {
     return j->xyz == NULL ? j->job.s->shared.n : j->job.s->shape.structure[j->structure].n_vertices;
@@ -32,7 +31,6 @@ static uint32_t given_tasks(const void *job) { return pieces(n_given(job)); }
 /* Returns the point p of the model in the pose. Not inlined, which saves room. */
 SMR_SHARED static smr_vec posed(const smr_starting *j, smr_vec p) { return smr_pose_apply(&j->pose, p); }
 
-/* Checks a piece of the positions. */
 static void check_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_starting *j = job;
@@ -62,7 +60,6 @@ static void claim(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worke
     j->pose.m[0][3] = j->pose.m[1][3] = j->pose.m[2][3] = 0.0f;
 }
 
-/* Writes a piece of the positions. */
 static void place_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_starting *j = job;
@@ -77,7 +74,6 @@ static void place_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* Adds a piece of positions to the box. */
 SMR_SHARED void smr_start_add_to_box(smr_starting *j, uint32_t task, float *xyz)
 {
     const smr_piece p = piece_of(j->job.s, task);
@@ -117,7 +113,6 @@ static void shift_origin(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_put3(s->shape.x, v, smr_sub(smr_get3(s->shape.x, v), j->shift));
 }
 
-/* Fits the rest pose. */
 static void fit_rest(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_shape *shape = &of(job)->shape;
@@ -160,7 +155,7 @@ uint32_t smr_start_in_parts(const void *job) { return in(job)->shared.n_structur
 
 /* Fits a rigid pose of the rest shape to the start of each structure, then of all, and measures the distances left.
  * Sets in_parts where each structure is rigid and the whole is not. */
-void smr_start_find_parts(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+SMR_SELDOM void smr_start_find_parts(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_starting *j = job;
     smr_shape *shape = &of(j)->shape;
@@ -322,7 +317,6 @@ static const smr_stage stages[] = {
 
 void smr_start_go(smr_starting *j) { smr_job_go(&j->job.head, stages, sizeof stages / sizeof stages[0]); }
 
-/* Logs the positions when they are set. */
 static void note_start(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_starting *j = job;
@@ -349,7 +343,7 @@ static int guard(void *job, int enter)
 }
 
 /* Begins to set positions, which are known to be legal for the registration. */
-static void begin(smr *s, smr_starting *j)
+SMR_SELDOM static void begin(smr *s, smr_starting *j)
 {
     memset(j, 0, sizeof *j);
     j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
@@ -360,7 +354,7 @@ static void begin(smr *s, smr_starting *j)
 }
 
 /* Checks that positions may be set; again 1: also while another job is setting them. */
-static smr_status may_start(const smr *s, int again)
+SMR_SELDOM static smr_status may_start(const smr *s, int again)
 {
     if (s == NULL)
         return SMR_E_NULL;
@@ -368,7 +362,7 @@ static smr_status may_start(const smr *s, int again)
     return smr_valid(s) && !busy && s->n_awaited == 0u ? smr_sound(s) : SMR_E_STATE;
 }
 
-smr_status smr_set_pose_begin(smr *s, const smr_pose *pose, smr_job *job)
+SMR_SELDOM smr_status smr_set_pose_begin(smr *s, const smr_pose *pose, smr_job *job)
 {
     smr_starting *const j = (smr_starting *)(void *)job;
     SMR_TRY(pose == NULL || job == NULL ? SMR_E_NULL : may_start(s, 1));
@@ -384,7 +378,7 @@ smr_status smr_set_pose_begin(smr *s, const smr_pose *pose, smr_job *job)
     return SMR_OK;
 }
 
-smr_status smr_set_positions_begin(smr *s, uint32_t structure, const float *xyz, smr_job *job)
+SMR_SELDOM smr_status smr_set_positions_begin(smr *s, uint32_t structure, const float *xyz, smr_job *job)
 {
     smr_starting *const j = (smr_starting *)(void *)job;
     SMR_TRY(xyz == NULL || job == NULL ? SMR_E_NULL : may_start(s, 0));
@@ -396,18 +390,14 @@ smr_status smr_set_positions_begin(smr *s, uint32_t structure, const float *xyz,
     return SMR_OK;
 }
 
-static const smr_port alone = {NULL, 1, NULL, NULL};
-
-smr_status smr_set_pose(smr *s, const smr_pose *pose)
+SMR_SELDOM smr_status smr_set_pose(smr *s, const smr_pose *pose)
 {
     smr_job job;
-    SMR_TRY(smr_set_pose_begin(s, pose, &job));
-    return smr_job_step(&job, 0, &alone, 0);
+    return smr_job_whole(smr_set_pose_begin(s, pose, &job), &job, &smr_alone);
 }
 
-smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
+SMR_SELDOM smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
 {
     smr_job job;
-    SMR_TRY(smr_set_positions_begin(s, structure, xyz, &job));
-    return smr_job_step(&job, 0, &alone, 0);
+    return smr_job_whole(smr_set_positions_begin(s, structure, xyz, &job), &job, &smr_alone);
 }

@@ -124,8 +124,32 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
     }
 }
 
+SMR_SELDOM smr_status smr_settable(const smr *s, int built, int legal)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!built)
+        return SMR_E_CONFIG;
+    return legal && smr_changeable(s) ? smr_sound(s) : SMR_E_STATE;
+}
+
+SMR_SELDOM void smr_restart_forces(smr *s, uint32_t changed)
+{
+    smr_surface_goals *g = &s->forces.surface;
+    smr_target_warm_clear(g);
+    for (uint32_t i = 0; i < s->shared.n_structures; i++)
+        g->target[i].measured = 0;
+    smr_forces_unmeasured(&s->forces);
+    smr_tracking_changed(s, changed);
+    if (!smr_forces_pending(s))
+        return;
+    smr_pulls_clear(g);
+    smr_place_reset(s);
+}
+
 /* Sets a mesh, a cloud or no target, without logging it. clouds: functions for clouds; NULL: no cloud is set. */
-static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surface, const smr_cloud_calls *clouds)
+SMR_SELDOM static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surface,
+                                        const smr_cloud_calls *clouds)
 {
     smr_surface_goals *g = &s->forces.surface;
     const uint32_t n_structures = s->shared.n_structures;
@@ -162,7 +186,7 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
     return SMR_OK;
 }
 
-smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
+SMR_SELDOM smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
 {
     SMR_TRY(smr_settable(s, 1, surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface))));
     if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.partial.coverage != SMR_COVERAGE_WHOLE)
@@ -174,7 +198,7 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
     return SMR_OK;
 }
 
-smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
+SMR_SELDOM smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
 {
     const smr_surface *surface = points == NULL ? NULL : &points->surface;
     SMR_TRY(smr_settable(s, SMR_HAS_PARTIAL, points == NULL || smr_points_valid(points)));
@@ -185,7 +209,7 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
     return SMR_OK;
 }
 
-smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
+SMR_SELDOM smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
     const int legal = surface == NULL || (smr_surface_valid(surface) && !smr_is_cloud(surface));
     SMR_TRY(smr_settable(s, SMR_HAS_CONTACT, legal));
@@ -202,7 +226,7 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
     return SMR_OK;
 }
 
-smr_status smr_set_volume(smr *s, const smr_volume *volume)
+SMR_SELDOM smr_status smr_set_volume(smr *s, const smr_volume *volume)
 {
     smr_grid grid;
     if (s == NULL)

@@ -21,30 +21,11 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
 
 /* Checks whether an input may be set. Errors: E_NULL, E_CONFIG (not built), E_STATE (not legal, or a tick runs),
  * E_DAMAGED. */
-static inline smr_status smr_settable(const smr *s, int built, int legal)
-{
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!built)
-        return SMR_E_CONFIG;
-    return legal && smr_changeable(s) ? smr_sound(s) : SMR_E_STATE;
-}
+smr_status smr_settable(const smr *s, int built, int legal);
 
 /* For a new input: marks measures as outdated, and discards results of searches, whose progress a replay does not know.
  * Incomplete forces start again; with complete ones the iteration ends. changed: as in smr_tracking_changed(). */
-static inline void smr_restart_forces(smr *s, uint32_t changed)
-{
-    smr_surface_goals *g = &s->forces.surface;
-    smr_target_warm_clear(g);
-    for (uint32_t i = 0; i < s->shared.n_structures; i++)
-        g->target[i].measured = 0;
-    smr_forces_unmeasured(&s->forces);
-    smr_tracking_changed(s, changed);
-    if (!smr_forces_pending(s))
-        return;
-    smr_pulls_clear(g);
-    smr_place_reset(s);
-}
+void smr_restart_forces(smr *s, uint32_t changed);
 
 #define SMR_SAVED_MAGIC 0x53524d53u /* "SMRS" */
 #define SMR_SAVED_VERSION 2u        /* version of the saved bytes that this library writes and reads */

@@ -52,6 +52,5 @@ smr_run_task smr_start_box, smr_start_find_parts, smr_start_scale_fit, smr_start
 /* Begins smr_init() in *j. Errors: as smr_init(). */
 smr_status smr_init_check(smr_initing *j, const smr_model *model, const smr_config *config, const smr_port *port,
                           void *arena, size_t bytes, smr **out);
-void smr_init_go(smr_initing *j); /* goes on with the stages of smr_init() */
 
 #endif

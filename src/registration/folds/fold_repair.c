@@ -71,12 +71,14 @@ static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
     }
 }
 
+SMR_SHARED static smr_vec rest_of(const smr_folds *f, uint32_t v) { return smr_rest_posed(f->shape, v); }
+
 /* Adds a triangle to the sums of neighbours' displacements. Near neighbours weigh more: slivers' corners move alike. */
 static void sum_ring(smr_folds *f, const uint32_t *t)
 {
     smr_vec at[3], moved[3];
     for (uint32_t c = 0; c < 3u; c++) {
-        at[c] = smr_rest_posed(f->shape, t[c]);
+        at[c] = rest_of(f, t[c]);
         moved[c] = smr_sub(smr_get3(f->shape->x_next, t[c]), at[c]);
     }
     for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, in both directions */
@@ -107,7 +109,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
         if (!f->marked[v])
             continue;
         const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
-        smr_put3(f->shape->x_next, v, smr_add(smr_rest_posed(f->shape, v), mean));
+        smr_put3(f->shape->x_next, v, smr_add(rest_of(f, v), mean));
         clear_ring(f, v); /* the next sweep sums from 0 again */
     }
 }

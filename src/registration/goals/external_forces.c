@@ -271,7 +271,7 @@ static void bound_closely(const smr_forces *f, float largest[2])
     }
 }
 
-void smr_forces_end(smr_forces *f)
+SMR_SELDOM void smr_forces_end(smr_forces *f)
 {
     smr_force_totals all = {0};
     float sum = 0.0f, sum2 = 0.0f, goal_sum = 0.0f, goal_sum2 = 0.0f;

@@ -14,7 +14,7 @@ uint32_t smr_boundary_tasks(const void *arg)
 uint32_t smr_reference_boundary_tasks(const void *r) { return smr_boundary_tasks(((const smr_reference *)r)->sums); }
 
 /* Adds share / SMR_BOUNDARY_UNITS of the record (r not NULL: moments) of vertex `from` to the sum of `to`'s cluster. */
-static inline void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from, int32_t share)
+SMR_SHARED static void add(smr_sums *s, smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     if (r != NULL) {
         smr_reference_add(r, to, from, share);

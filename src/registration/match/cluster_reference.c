@@ -93,8 +93,11 @@ static void steps_of(const float *x, float inverse, uint32_t out[3])
         out[a] = (uint32_t)(uint64_t)nearest(x[a] * inverse);
 }
 
+/* The same, as a function of its own where few vertices need it. */
+SMR_SHARED static void few_steps_of(const float *x, float inverse, uint32_t out[3]) { steps_of(x, inverse, out); }
+
 /* Writes x in units of 2^-SMR_PART_BITS / inverse mm, modulo 2^64. */
-static void parts_of(const float *x, float inverse, uint64_t out[3])
+SMR_SHARED static void parts_of(const float *x, float inverse, uint64_t out[3])
 {
     for (uint32_t a = 0; a < 3u; a++)
         out[a] = (uint64_t)nearest(x[a] * inverse * (float)(1u << SMR_PART_BITS));
@@ -109,15 +112,7 @@ static void origin_of(const smr_reference *r, uint32_t out[3])
 {
     out[0] = out[1] = out[2] = 0;
     if (r->shared->mass != NULL)
-        steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
-}
-
-/* Writes x in whole coarse steps from the origin of moments, modulo 2^32. */
-static void steps_from(const smr_reference *r, const uint32_t origin[3], const float *x, uint32_t out[3])
-{
-    steps_of(x, r->per_coarse, out);
-    for (uint32_t a = 0; a < 3u; a++)
-        out[a] -= origin[a];
+        few_steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
 }
 
 /* Writes the moments of a vertex of mass m in dynamics. A pinned vertex may weigh as much as its cluster, so rounding
@@ -185,12 +180,13 @@ void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t sha
     const int64_t m = (int64_t)(smr_mass(r->shared, from) * r->shared->mass_unit) * share;
     int64_t d[3];
     origin_of(r, origin);
-    steps_from(r, origin, smr_at3(r->shape->x_ref, from), q);
-    steps_of(smr_at3(r->shape->x_ref, from), r->per_fine, f);
-    steps_from(r, origin, smr_at3(r->shape->x_ref, to), there);
-    steps_of(smr_at3(r->shape->x_ref, to), r->per_fine, fine);
+    few_steps_of(smr_at3(r->shape->x_ref, from), r->per_coarse, q);
+    few_steps_of(smr_at3(r->shape->x_ref, from), r->per_fine, f);
+    few_steps_of(smr_at3(r->shape->x_ref, to), r->per_coarse, there);
+    few_steps_of(smr_at3(r->shape->x_ref, to), r->per_fine, fine);
     for (uint32_t a = 0; a < 3u; a++) {
-        d[a] = steps_apart(q[a], there[a], SMR_COARSE_MOST);
+        there[a] -= origin[a];
+        d[a] = steps_apart(q[a] - origin[a], there[a], SMR_COARSE_MOST);
         first[a] = smr_boundary_part(m * d[a]);
         w[1u + a] += first[a];
         w[10u + a] += smr_boundary_part(m * steps_apart(f[a], fine[a], SMR_FINE_MOST));
@@ -229,8 +225,10 @@ void smr_reference_cluster(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
         if (!smr_active(r->schedule, v))
             continue;
-        steps_from(r, origin, x, q);
+        steps_of(x, r->per_coarse, q);
         steps_of(x, r->per_fine, f);
+        for (uint32_t a = 0; a < 3u; a++)
+            q[a] -= origin[a];
         /* from here on moments are about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
         float d[3], c[6];

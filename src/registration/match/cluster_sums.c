@@ -9,7 +9,7 @@
 #define SMR_WORK_WORD 10u
 #define SMR_WORK_SOME 8000u /* least work for which some of a long list is summed */
 
-void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
+SMR_SELDOM void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
 {
     s->scale[0] = smr_fixed_scale((float)s->schedule->lists.largest * largest0);
     s->scale[1] = smr_fixed_scale((float)s->schedule->lists.largest * largest1);

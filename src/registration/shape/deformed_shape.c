@@ -9,7 +9,7 @@
 #define SMR_LEAVES 32u /* number of tree leaves in a task */
 #define SMR_UPPERS 24u /* number of tree nodes above the leaves in a task */
 
-void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
+SMR_SELDOM void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
     const size_t n = shared->n;
     shape->structure = smr_slot_scratch(a, shape->structure, shared->n_structures, sizeof *shape->structure);

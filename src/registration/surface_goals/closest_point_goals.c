@@ -32,7 +32,7 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
     }
 }
 
-void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
+SMR_SELDOM void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
     const size_t n = shared->n;
     const uint32_t m = smr_target_slots(shared);
@@ -96,7 +96,7 @@ static void clear_target_warm(smr_surface_goals *g, uint32_t k, uint32_t parts)
 
 void smr_target_warm_clear(smr_surface_goals *g) { clear_target_warm(g, 0, 1); }
 
-void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32_t parts)
+SMR_SELDOM void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32_t parts)
 {
     const smr_piece p = smr_part(g->shared->n, k, parts);
     clear_pulls(g, k, parts);

@@ -145,11 +145,13 @@ static inline smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, sm
     return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
 }
 
+smr_vec smr_shortened(smr_vec r, float by); /* returns r shortened by more than 0 mm; 0 where r is no longer */
+
 /* Returns a displacement to the target, mm, shortened by config.partial.noise_mm; 0 within the noise. */
 static inline smr_vec smr_beyond_noise(const smr_surface_goals *g, smr_vec r)
 {
     const float noise = g->shared->config.partial.noise_mm;
-    return noise > 0.0f ? smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise))) : r;
+    return noise > 0.0f ? smr_shortened(r, noise) : r;
 }
 
 /* correspondence_rejection.c: tests that reject goals. */

@@ -26,3 +26,8 @@ float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float
     const float deviation = SMR_SQRT(smr_max(mean_square - mean * mean, 0.0f));
     return k > 0.0f && n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
 }
+
+smr_vec smr_shortened(smr_vec r, float by)
+{
+    return smr_scale(r, smr_positive(1.0f - by / smr_max(smr_length(r), by)));
+}

@@ -36,7 +36,14 @@ static void begin_targets(smr_surface_goals *g)
         g->target[i].had_target = g->target[i].surface != NULL;
 }
 
-void smr_schedule_start(smr *s)
+SMR_SELDOM void smr_place_reset(smr *s)
+{
+    s->step = s->next_task = s->n_shares = s->n_dealt = 0;
+    for (uint32_t k = 0; k < s->shared.config.basic.n_workers; k++)
+        smr_worker_start(&s->shared.worker[k]);
+}
+
+SMR_SELDOM void smr_schedule_start(smr *s)
 {
     smr_schedule *p = &s->schedule;
     p->iteration = p->since_plastic = p->plastic_updates = p->converged = p->done = p->repairing = 0;

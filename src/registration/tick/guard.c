@@ -4,6 +4,7 @@
  * Bounds: one pass over some kilobytes, and about 500 bytes more for each structure, target and landmark.
  * SPDX-License-Identifier: MIT */
 #include "options/references/references.h"
+#include "registration/measure_job.h"
 #include "registration/tick/iteration_steps.h"
 
 #define SMR_HEAD offsetof(smr, forces) /* bytes of the struct's part HEAD */
@@ -47,7 +48,7 @@ static uint32_t arrays_of(const smr *s)
 }
 
 /* Returns the checksum of a part of what the guard covers, SMR_GUARD_...; the parts before it must be sound. */
-static uint32_t part_of(const smr *s, uint32_t part)
+SMR_SELDOM static uint32_t part_of(const smr *s, uint32_t part)
 {
     switch (part) {
     case SMR_GUARD_HEAD: return smr_byte_sum(0, s, SMR_HEAD);
@@ -75,7 +76,7 @@ void smr_guard_close(smr *s)
 enum { NOTHING = 0, POSITIONS, ALL };
 
 /* A fault in the last two parts leaves positions alone; one that no part shows may be anywhere. */
-static int intact(const smr *s)
+SMR_SELDOM static int intact(const smr *s)
 {
     for (uint32_t i = 0; i < SMR_GUARD_PARTS; i++)
         if (part_of(s, i) != s->guard.sum[i])
@@ -117,4 +118,25 @@ void smr_changed(smr *s, uint32_t kind, uint32_t number, const void *what, uint3
     if (s->scrub.calls != NULL)
         s->scrub.calls->learn(s, kind, number);
     smr_guard_close(s);
+}
+
+smr_measuring smr_measure_begin(smr *s, const smr_stage *stages, uint32_t n_stages)
+{
+    s->n_measured++;
+    smr_guard_close(s);
+    return (smr_measuring){smr_job_begin(stages, n_stages, &s->port), s, s->log.changes, s->n_measured};
+}
+
+int smr_hold_guard(smr_measuring *m, int enter, int legal)
+{
+    smr *const s = m->s;
+    const smr_status sound = enter ? smr_sound(s) : SMR_OK;
+    if (sound != SMR_OK) {
+        m->head.status = sound; /* closing the guard would hide the fault */
+        return 0;
+    }
+    if (enter && (!legal || s->log.changes != m->changes || s->n_measured != m->turn))
+        return 0;
+    s->ticking = enter ? SMR_TICKING : 0u; /* back to 0 after a step, so the guard's sums still hold */
+    return 1;
 }

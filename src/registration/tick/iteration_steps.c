@@ -114,7 +114,7 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
         smr_plastic_normals(shape);
 }
 
-void smr_abandon_iteration(smr *s)
+SMR_SELDOM void smr_abandon_iteration(smr *s)
 {
     for (uint32_t v = 0; v < smr_normals_exchanged(s); v++)
         smr_put3(s->shape.normal, v, smr_next_normal(s->sums.sum, v));

@@ -72,6 +72,7 @@ void smr_abandon_iteration(smr *s);
 void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts);
 
 /* coarse_to_fine_schedule.c: work between iterations. */
+void smr_place_reset(smr *s);    /* goes back to the start of an iteration */
 void smr_schedule_start(smr *s); /* starts at the first radius, from the present positions */
 void smr_schedule_begin(smr *s); /* before an iteration: chooses active vertices, search distances and momentum */
 void smr_schedule_next(smr *s);  /* after an iteration: plasticity, the next radius, or the end */

@@ -124,7 +124,6 @@ typedef struct watch {
     int back;          /* 1: at the last reading the clock had run backwards */
 } watch;
 
-/* Reads the clock if something has run since the last reading. */
 static void read_clock(smr *s, watch *w)
 {
     if (w->current)
@@ -282,7 +281,6 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     return SMR_OK;
 }
 
-/* Logs the checksum of the output of the caller's force in the completed iteration. */
 static void log_force_output(smr *s)
 {
     smr_caller_goals *g = &s->forces.caller;
@@ -292,7 +290,7 @@ static void log_force_output(smr *s)
     g->summed = 0;
 }
 
-smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
+SMR_SELDOM smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
 {
     uint64_t phase_ns[SMR_PHASES] = {0};
     SMR_TRY(smr_sound(s));

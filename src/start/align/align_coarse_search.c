@@ -158,7 +158,6 @@ static void cube_rotation(uint32_t k, float g[9])
     g[6 + p[2]] = a * b * odd;
 }
 
-/* Writes the product a b of two row-major matrices to out. */
 static void multiply(const float a[9], const float b[9], float out[9])
 {
     for (uint32_t i = 0; i < 9u; i++) {

@@ -99,7 +99,6 @@ static uint32_t wanted_of(const smr_align_side *side, uint32_t k)
     return (uint32_t)(((uint64_t)2u * k + 1u) * side->kept / (2u * (uint64_t)side->n));
 }
 
-/* Takes the samples whose vertices lie in the piece. */
 static void take_samples(smr_align_side *side, smr_side_work *w, smr_piece piece)
 {
     const smr_surface *s = side->surface;

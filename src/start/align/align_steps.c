@@ -67,7 +67,6 @@ void smr_align_insert(const smr_aligner *a, const smr_pose *pose, float cost, sm
 
 /* ---- requests of the steps ---- */
 
-/* Starts a coarse search at a scale. */
 static void start_search(smr_align_work *w, float scale, uint32_t n_shifts, int mirrored, uint32_t most)
 {
     w->search = (smr_coarse_search){.scale = scale, .n_shifts = n_shifts, .mirrored = mirrored};
@@ -101,7 +100,6 @@ static void find_pairs(smr_align_work *w, const smr_pose *pose, uint32_t samples
     w->of = of;
 }
 
-/* Returns the measures of the one pose. */
 static const smr_measure *measured(const smr_align_work *w) { return &w->group[0].measure; }
 static int has_neighbour(const smr_align_work *w) { return w->jointed != NULL && w->jointed->neighbour != NULL; }
 

@@ -160,7 +160,6 @@ static void begin_group(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
         w->group[i] = (smr_refined){.pose = w->from->pose[w->first + i], .last = FLT_MAX, .state = SMR_REFINE_GOES_ON};
 }
 
-/* Returns the aligner with the pairs of pose i of the group. */
 static smr_aligner aligner_of(const smr_align_work *w, uint32_t i)
 {
     smr_aligner a = w->aligner;
