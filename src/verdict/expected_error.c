@@ -257,7 +257,8 @@ static void field_errors(const smr_judgement *j, uint32_t first, parts *errors)
 
 uint32_t smr_errors_tasks(const void *job)
 {
-    return smr_ceil_div(smr_judged((const smr_judgement *)job)->n_vertices, SMR_LANES);
+    const smr_judgement *j = job;
+    return smr_knows_expected(j) ? 0u : smr_ceil_div(smr_judged(j)->n_vertices, SMR_LANES);
 }
 
 /* Computes the expected errors of SMR_LANES vertices; -1 where they are unknown. */

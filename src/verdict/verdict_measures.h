@@ -143,6 +143,9 @@ static inline uint32_t smr_judged_vertex(const smr_judgement *j, uint32_t i)
     return smr_model_position(j->s->shared.model, smr_judged(j)->first_vertex + i);
 }
 
+/* Returns 1 when a call before left the expected errors in memory. */
+static inline int smr_knows_expected(const smr_judgement *j) { return j->s->judged_turn == j->job.turn; }
+
 /* Returns the surface or cloud that the structure is registered to; NULL: none. */
 static inline const smr_surface *smr_judged_target(const smr_judgement *j)
 {

@@ -146,6 +146,10 @@ static void check_call(scene *e, const call *c)
                                                            : RIG_SHUFFLE,
                                            workers);
             memset(e->result, 0, sizeof e->result);
+            if (e->s != NULL && workers != 2u) { /* with two workers expected errors are those of the call before */
+                e->s->judged_turn = 0;
+                smr_guard_close(e->s);
+            }
             assert_int_equal(SMR_OK, c->begin(e));
             slices[i] = run(e, units[i], workers == 1u ? NULL : &port);
             if (c->read != NULL)

@@ -284,6 +284,10 @@ static int align(host_job *job, host_error *error)
     smr_status status = SMR_E_ARENA;
     for (int i = 0; i < 2 && a.memory != NULL; i++) {
         host_mesh mesh;
+        if (i == 1 && job->n_targets == 1 && job->target[0].surface != NULL) {
+            a.whole[1] = job->target[0].surface;
+            continue;
+        }
         if (join(job, i, &mesh) == 0)
             a.whole[i] = surface_of(&mesh, &a.memory[a.n_memory++]);
         host_mesh_free(&mesh);

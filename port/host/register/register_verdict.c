@@ -226,10 +226,10 @@ static double join(const smr_verdict *measures, const host_verdict *verdict)
 
 /* What the library measured: its level and a sentence for each reason, but for that nothing was seen: judge_run and
  * judge_lost say more of that. */
-static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
+static void judge_measures(smr_status status, const smr_verdict *measures, host_verdict *verdict)
 {
     verdict->expected_error_mm = (double)NAN;
-    if (smr_get_verdict(s, structure, measures) != SMR_OK) /* --ticks ended within an iteration */
+    if (status != SMR_OK) /* --ticks ended within an iteration */
         return;
     if (measures->expected_error_mm >= 0.0f)
         verdict->expected_error_mm = (double)measures->expected_error_mm;
@@ -274,13 +274,17 @@ void host_job_verdict(host_job *job)
     judge_folds(job, &job->verdict);
     judge_contact(job, &job->verdict);
     judge_contradiction(job, &job->verdict);
-    judge_measures(job->state, SMR_ALL, &job->measures, &job->verdict);
+    smr_status status = smr_get_verdict(job->state, SMR_ALL, &job->measures);
+    smr_verdict measures = job->measures; /* also those of a structure alone */
+    judge_measures(status, &job->measures, &job->verdict);
     if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_VISIBLE) != 0)
         host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_VISIBLE));
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
-        smr_verdict measures;
         job->result[i].verdict.expected_error_mm = (double)NAN;
-        if (job->result[i].report.has_target != 0)
-            judge_measures(job->state, i, &measures, &job->result[i].verdict);
+        if (job->result[i].report.has_target == 0)
+            continue;
+        if (job->model.n_parts > 1)
+            status = smr_get_verdict(job->state, i, &measures);
+        judge_measures(status, &measures, &job->result[i].verdict);
     }
 }
