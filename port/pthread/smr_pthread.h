@@ -1,7 +1,8 @@
 /* smr_pthread.h: a pool of persistent POSIX threads behind smr_port.
  *
  * The calling thread is worker 0, so n_workers = 1 starts no thread. Nothing is allocated: the pool lives
- * in the caller's memory. One thread at a time may use the port, and a task must not start another loop.
+ * in the caller's memory. Loops of several threads, or of several tasks of a loop, may meet: one of the tasks' loops
+ * gets the workers that have no other task, and all others run in their own thread.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PTHREAD_H
 #define SMR_PTHREAD_H

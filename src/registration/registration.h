@@ -101,8 +101,9 @@ struct smr {
     smr_time_budget budget;
     smr_log log;
     uint32_t n_measured; /* number of measures begun, which use the memory of records and sums */
-    uint32_t judged, judged_at, judged_turn; /* structure or SMR_ALL whose expected errors that memory holds while
-                                              * log.changes is judged_at and n_measured is judged_turn, above 0 */
+    /* structure, or SMR_ALL, whose expected errors that memory holds while log.changes is judged_at and n_measured is
+     * judged_turn, above 0 */
+    uint32_t judged, judged_at, judged_turn;
     smr_tick_report report;
     smr_scrubbing scrub;
     size_t arena_bytes; /* bytes of the arena in use */

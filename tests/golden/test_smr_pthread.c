@@ -75,6 +75,52 @@ TEST(test_loop_in_a_loop)
     smr_pthread_destroy(pool);
 }
 
+typedef struct meeting {
+    smr_port port;
+    uint32_t at; /* outer task whose loop meets */
+    _Atomic uint32_t here, met;
+} meeting;
+
+/* Waits for the other task of the loop, for 50 ms. */
+static void meet(void *arg, uint32_t task, uint32_t worker)
+{
+    meeting *m = arg;
+    const uint64_t begin = m->port.now_ns(m->port.ctx);
+    (void)task;
+    (void)worker;
+    atomic_fetch_add(&m->here, 1u);
+    while (atomic_load(&m->here) < 2u && m->port.now_ns(m->port.ctx) - begin < 50000000u)
+        continue;
+    atomic_fetch_add(&m->met, atomic_load(&m->here) == 2u);
+    while (atomic_load(&m->met) == 1u && m->port.now_ns(m->port.ctx) - begin < 50000000u)
+        continue;
+}
+
+static void meet_in_one(void *arg, uint32_t task, uint32_t worker)
+{
+    meeting *m = arg;
+    (void)worker;
+    if (task == m->at)
+        m->port.parallel(m->port.ctx, meet, m, 2);
+}
+
+/* A worker without a task, and the caller, help a task's loop. */
+TEST(test_help)
+{
+    smr_pthread *pool = NULL;
+    assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, 2));
+    for (uint32_t at = 0; at < 2u; at++) {
+        meeting m = {.port = smr_pthread_port(pool), .at = at};
+        for (uint32_t i = 0; i < 200u && atomic_load(&m.met) < 2u; i++) { /* not each loop wakes workers */
+            atomic_store(&m.here, 0u);
+            atomic_store(&m.met, 0u);
+            m.port.parallel(m.port.ctx, meet_in_one, &m, 2);
+        }
+        assert_int_equal(2, atomic_load(&m.met));
+    }
+    smr_pthread_destroy(pool);
+}
+
 TEST(test_clock_goes_forward)
 {
     smr_pthread *pool = NULL;

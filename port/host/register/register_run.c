@@ -197,13 +197,12 @@ typedef struct both {
     int failed[2];
 } both;
 
-/* port NULL: one thread. */
-static int prepare(host_job *job, const smr_port *port, host_error *error)
+static int prepare(host_job *job, host_error *error)
 {
     smr_prepare_config config = job->options->prepare;
     if (job->options->reference != NULL)
         config.reference = &job->reference.view;
-    config.port = port;
+    config.port = &job->port.port;
     int result = host_model_prepare(&job->model, &config, error);
     host_image_free(&job->reference);
     return result;
@@ -216,7 +215,7 @@ static void run_half(void *arg, uint32_t task, uint32_t worker)
     if (task == 1)
         b->failed[1] = host_job_start(b->job, &b->error[1]);
     else if (!b->job->model_is_prepared)
-        b->failed[0] = prepare(b->job, NULL, &b->error[0]);
+        b->failed[0] = prepare(b->job, &b->error[0]);
 }
 
 int host_job_prepare(host_job *job, host_error *error)
@@ -226,7 +225,7 @@ int host_job_prepare(host_job *job, host_error *error)
     if (job->options->align != HOST_ALIGN_NONE) {
         host_parallel(&job->port.port, run_half, &b, 2);
     } else { /* nearly all time is preparation: all workers share it */
-        b.failed[0] = job->model_is_prepared ? 0 : prepare(job, &job->port.port, &b.error[0]);
+        b.failed[0] = job->model_is_prepared ? 0 : prepare(job, &b.error[0]);
         b.failed[1] = b.failed[0] ? 0 : host_job_start(job, &b.error[1]);
     }
     if (b.failed[0] || b.failed[1]) {
