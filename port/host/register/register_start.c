@@ -275,6 +275,26 @@ static smr_status align_surfaces(host_job *job, const aligned *a)
     return status;
 }
 
+typedef struct wholes {
+    const host_job *job;
+    aligned *a;
+} wholes;
+
+/* Makes the surface of the model or of all targets. A single target has one. */
+static void make_whole(void *arg, uint32_t task, uint32_t worker)
+{
+    const wholes *const w = arg;
+    host_mesh mesh;
+    (void)worker;
+    if (task == 1 && w->job->n_targets == 1 && w->job->target[0].surface != NULL) {
+        w->a->whole[1] = w->job->target[0].surface;
+        return;
+    }
+    if (join(w->job, (int)task, &mesh) == 0)
+        w->a->whole[task] = surface_of(&mesh, &w->a->memory[task]);
+    host_mesh_free(&mesh);
+}
+
 static int align(host_job *job, host_error *error)
 {
     const uint32_t n = job->model.n_parts;
@@ -282,15 +302,9 @@ static int align(host_job *job, host_error *error)
                  .index = calloc(n, sizeof *a.index),
                  .memory = calloc(n + job->n_targets + 2u, sizeof *a.memory)};
     smr_status status = SMR_E_ARENA;
-    for (int i = 0; i < 2 && a.memory != NULL; i++) {
-        host_mesh mesh;
-        if (i == 1 && job->n_targets == 1 && job->target[0].surface != NULL) {
-            a.whole[1] = job->target[0].surface;
-            continue;
-        }
-        if (join(job, i, &mesh) == 0)
-            a.whole[i] = surface_of(&mesh, &a.memory[a.n_memory++]);
-        host_mesh_free(&mesh);
+    if (a.memory != NULL) {
+        host_parallel(&job->port.port, make_whole, &(wholes){job, &a}, 2);
+        a.n_memory = 2;
     }
     if (a.whole[0] != NULL && a.whole[1] != NULL && a.part != NULL && a.index != NULL &&
         (job->options->align != HOST_ALIGN_PARTS || make_parts(job, &a) == 0))
@@ -305,8 +319,7 @@ static int align(host_job *job, host_error *error)
 
 int host_job_make_surfaces(host_job *job, host_error *error)
 {
-    for (uint32_t i = 0; i < job->n_targets; i++)
-        build_target(job->target, i, 0);
+    host_parallel(&job->port.port, build_target, job->target, job->n_targets);
     for (uint32_t i = 0; i < job->n_targets; i++)
         if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL)
             return host_fail_of(error, job->target[i].path, "surface",
