@@ -8,6 +8,7 @@
 #define SMR_HIDDEN_SHARE 0.05f  /* share of vertices outside an image above which their expected errors are judged */
 #define SMR_HIDDEN_MOST 3.4f    /* mm: larger mean expected errors of vertices outside an image are not good */
 #define SMR_NOT_GOOD_SHARE 0.5f /* the whole is not good if structures not good hold a larger share of vertices */
+#define SMR_NOT_KEPT UINT32_MAX /* level of a verdict on a structure that was not made */
 #define SMR_APART 0.819f        /* cosine of 35 degrees: structures that have turned farther apart are not good */
 
 const char *smr_reason_text(uint32_t bit)
@@ -157,14 +158,35 @@ static void moved_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_fit_piece(j, task, smr_judged(j)->first_vertex, smr_judged(j)->n_vertices, 1);
 }
 
+/* Returns the place, behind the visible vertices, where a verdict on all structures leaves that on a structure. NULL: no
+ * room. */
+static smr_verdict *kept_place(const smr *s, uint32_t structure)
+{
+    const size_t n = s->shared.n, from = 60u * n + (n + 7u) / 8u * 8u;
+    unsigned char *const at = (unsigned char *)s->overlay.record + from + structure * sizeof(smr_verdict);
+    return from + (structure + 1u) * sizeof(smr_verdict) <= 64u * n ? (smr_verdict *)(void *)at : NULL;
+}
+
+/* Returns the verdict on a structure that one on all structures has left; NULL: none. */
+static const smr_verdict *kept(const smr *s, uint32_t structure)
+{
+    const smr_verdict *v = s->judged == SMR_ALL && structure != SMR_ALL ? kept_place(s, structure) : NULL;
+    return v != NULL && v->level != SMR_NOT_KEPT ? v : NULL;
+}
+
 static void structure_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;
     const uint32_t n = smr_judged(j)->n_vertices;
+    smr_verdict *const place = j->asked == SMR_ALL ? kept_place(j->s, j->structure) : NULL;
     add_all(&j->all, &j->e);
+    if (place != NULL)
+        place->level = SMR_NOT_KEPT;
     if (n > 0u && j->asked == SMR_ALL && judges_structure(j)) {
         smr_verdict one;
         conclude(j, j->structure, &j->e, &one);
+        if (place != NULL)
+            *place = one;
         j->first = j->n > 0.0f ? j->first : j->start;
         j->apart = j->n > 0.0f ? smr_min(j->apart, smr_cosine_between(&j->first, &j->start)) : 1.0f;
         j->n += (float)n;
@@ -202,8 +224,11 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     smr_judgement *j = job;
     if (j->verdict == NULL)
         return;
+    const smr_verdict *one = smr_knows_expected(j) ? kept(j->s, j->asked) : NULL;
     if (j->asked == SMR_ALL)
         judge_all(j, j->verdict);
+    else if (one != NULL)
+        *j->verdict = *one;
     else
         conclude(j, j->asked, &j->e, j->verdict);
     note_state(j->s, j->verdict);
@@ -299,8 +324,8 @@ static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float 
                       (s->judged == SMR_ALL || s->judged == structure);
     s->judged_turn += (uint32_t)known;
     j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
-    if (known && verdict == NULL)
-        j->job.head.stage = j->job.head.n_stages - 1u; /* these are only copied */
+    if (known && (verdict == NULL || kept(s, structure) != NULL))
+        j->job.head.stage = j->job.head.n_stages - 2u; /* results are only copied */
     j->job.head.guard = is_unchanged;
     j->s = s;
     j->asked = structure;

@@ -200,7 +200,7 @@ static scene *start(uint32_t shown)
 static void check_known(scene *e)
 {
     float *const known = rig_alloc(sizeof e->result);
-    smr_verdict all;
+    smr_verdict all, one[2];
     for (uint32_t i = 0; i < 4u; i++) {
         e->structure = i % 2u;
         assert_int_equal(SMR_OK, smr_get_verdict(e->s, SMR_ALL, &all));
@@ -208,10 +208,14 @@ static void check_known(scene *e)
             assert_int_equal(SMR_OK, smr_tick(e->s, 0, NULL));
         memset(e->result, 0, sizeof e->result);
         assert_int_equal(SMR_OK, whole_expected(e));
+        assert_int_equal(SMR_OK, smr_get_verdict(e->s, e->structure, &one[0]));
         memcpy(known, e->result, sizeof e->result);
         forget(e->s);
         assert_int_equal(SMR_OK, whole_expected(e));
         assert_memory_equal(known, e->result, sizeof e->result);
+        forget(e->s);
+        assert_int_equal(SMR_OK, smr_get_verdict(e->s, e->structure, &one[1]));
+        assert_memory_equal(&one[0], &one[1], sizeof one[0]);
     }
 }
 
