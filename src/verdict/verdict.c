@@ -320,7 +320,8 @@ static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float 
     if (structure >= s->shared.n_structures && (structure != SMR_ALL || verdict == NULL))
         return SMR_E_INPUT;
     memset(j, 0, sizeof *j);
-    const int known = s->n_measured > 0u && s->judged_turn == s->n_measured && s->judged_at == s->log.changes &&
+    const int known = !(s->scrub.what & SMR_SCRUB_STATE) /* which does not check that memory */ && s->n_measured > 0u &&
+                      s->judged_turn == s->n_measured && s->judged_at == s->log.changes &&
                       (s->judged == SMR_ALL || s->judged == structure);
     s->judged_turn += (uint32_t)known;
     j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
