@@ -1,5 +1,7 @@
 /* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal,
  * averaged with the pulls of target vertices (target_to_model_pulls.c). Displacements along the surface are reduced.
+ * Each iteration searches. Searches in one of four iterations, before the last radius, would spare 18 % of a tick with
+ * the same error; but goals would jump, and inputs moved together would end more than a micrometre apart.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
