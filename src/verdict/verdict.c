@@ -158,8 +158,8 @@ static void moved_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_fit_piece(j, task, smr_judged(j)->first_vertex, smr_judged(j)->n_vertices, 1);
 }
 
-/* Returns the place, behind the visible vertices, where a verdict on all structures leaves that on a structure. NULL: no
- * room. */
+/* Returns the place, behind the visible vertices, where a verdict on all structures leaves that on a structure; NULL
+ * without room. */
 static smr_verdict *kept_place(const smr *s, uint32_t structure)
 {
     const size_t n = s->shared.n, from = 60u * n + (n + 7u) / 8u * 8u;
