@@ -224,11 +224,10 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     smr_judgement *j = job;
     if (j->verdict == NULL)
         return;
-    const smr_verdict *one = smr_knows_expected(j) ? kept(j->s, j->asked) : NULL;
     if (j->asked == SMR_ALL)
         judge_all(j, j->verdict);
-    else if (one != NULL)
-        *j->verdict = *one;
+    else if (j->by == SMR_BY_MEMORY)
+        *j->verdict = *kept(j->s, j->asked);
     else
         conclude(j, j->asked, &j->e, j->verdict);
     note_state(j->s, j->verdict);
@@ -325,8 +324,6 @@ static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float 
                       (s->judged == SMR_ALL || s->judged == structure);
     s->judged_turn += (uint32_t)known;
     j->job = smr_measure_begin(s, stages, sizeof stages / sizeof stages[0]);
-    if (known && (verdict == NULL || kept(s, structure) != NULL))
-        j->job.head.stage = j->job.head.n_stages - 2u; /* results are only copied */
     j->job.head.guard = is_unchanged;
     j->s = s;
     j->asked = structure;
@@ -335,6 +332,10 @@ static smr_status begin(smr *s, uint32_t structure, smr_verdict *verdict, float 
     for (uint32_t k = 0; k < 3u && mm != NULL; k++)
         j->mm[k] = mm[k];
     next_structure(j);
+    if (known && (verdict == NULL || kept(s, structure) != NULL)) {
+        j->by = SMR_BY_MEMORY;
+        j->job.head.stage = j->job.head.n_stages - 2u;
+    }
     return SMR_OK;
 }
 

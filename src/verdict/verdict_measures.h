@@ -88,8 +88,8 @@ typedef struct smr_normal_field {
     float again;         /* factor on the motion from the start, as the observations give it */
 } smr_normal_field;
 
-/* What shows a structure's place. */
-enum { SMR_BY_NOTHING = 0, SMR_BY_SURFACE, SMR_BY_CLOUD, SMR_BY_IMAGE, SMR_BY_LANDMARKS, SMR_BY_CALLER };
+/* What shows a structure's place; SMR_BY_MEMORY: an earlier call left the results, which are only copied. */
+enum { SMR_BY_NOTHING = 0, SMR_BY_SURFACE, SMR_BY_CLOUD, SMR_BY_IMAGE, SMR_BY_LANDMARKS, SMR_BY_CALLER, SMR_BY_MEMORY };
 
 #define SMR_JUDGE_PIECE 192u /* vertices or triangles in a task that visits them */
 #define SMR_JUDGE_PLACES 23u /* tasks whose results wait to be added */
@@ -151,6 +151,8 @@ static inline const smr_surface *smr_judged_target(const smr_judgement *j)
 {
     return j->s->forces.surface.target[j->structure].surface;
 }
+
+#define SMR_JUDGE_WORDS 7u /* words a vertex of the memory of records before smr_vertex_expected() */
 
 /* Return arrays [n] of stored vertices: distance to the target surface, mm, SMR_FAR: none; the closest triangle of the
  * target, SMR_NONE: none. */

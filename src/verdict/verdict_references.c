@@ -17,7 +17,7 @@ static float *products(const smr_judgement *j) { return (float *)j->s->overlay.r
 uint32_t smr_blend_tasks(const void *job)
 {
     const smr_judgement *j = job;
-    const size_t room = SMR_WORDS * (size_t)j->s->shared.n;
+    const size_t room = SMR_JUDGE_WORDS * (size_t)j->s->shared.n;
     return j->verdict != NULL && smr_blends(&j->s->shape) && room >= SMR_PRODUCTS * SMR_PRODUCTS
                ? smr_ceil_div(smr_judged(j)->n_vertices, SMR_JUDGE_PIECE)
                : 0u;

@@ -149,11 +149,12 @@ static smr_fit *fits(const smr_judgement *j) { return (smr_fit *)(void *)j->s->o
 uint32_t smr_parts_abreast(const void *job)
 {
     const smr_judgement *j = job;
-    const size_t places = SMR_WORDS * sizeof(uint32_t) * j->s->shared.n / sizeof(smr_fit);
+    const size_t places = SMR_JUDGE_WORDS * sizeof(uint32_t) * j->s->shared.n / sizeof(smr_fit);
     return places < SMR_PARTS ? (uint32_t)places : SMR_PARTS; /* fewer only where all vertices are one piece */
 }
 
-_Static_assert(SMR_PARTS * sizeof(smr_fit) <= SMR_WORDS * sizeof(uint32_t) * SMR_PART_PIECE, "fits of several pieces");
+_Static_assert(SMR_PARTS * sizeof(smr_fit) <= SMR_JUDGE_WORDS * sizeof(uint32_t) * SMR_PART_PIECE,
+               "fits of several pieces");
 
 uint32_t smr_parts_tasks(const void *job)
 {
