@@ -26,7 +26,7 @@ smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
 {
     if (base == NULL)
         return SMR_E_NULL;
-    if ((uintptr_t)base % SMR_ALIGN != 0)
+    if ((uintptr_t)base % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
     *a = (smr_arena){base, capacity, 0, NULL};
     return SMR_OK;
@@ -35,7 +35,7 @@ smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
 void *smr_arena_take(smr_arena *a, size_t count, size_t size)
 {
     const size_t start = a->used, bytes = count * size;
-    if (start > SIZE_MAX - 4u * SMR_ALIGN || (size != 0 && count > (SIZE_MAX - start - 4u * SMR_ALIGN) / size)) {
+    if (start > SIZE_MAX - 4u * SMR_ALIGN || (size != 0u && count > (SIZE_MAX - start - 4u * SMR_ALIGN) / size)) {
         a->used = SIZE_MAX;
         return NULL;
     }

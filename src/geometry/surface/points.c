@@ -15,8 +15,8 @@ _Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 8u * SMR_ALIGN, "SMR_
 static void layout(smr_arena *a, uint32_t capacity, smr_points **self, smr_surface *s)
 {
     *self = smr_arena_take(a, 1, sizeof **self);
-    s->xyz = smr_arena_take(a, capacity, 3 * sizeof(float));
-    s->normal = smr_arena_take(a, capacity, 3 * sizeof(float));
+    s->xyz = smr_arena_take(a, capacity, 3u * sizeof(float));
+    s->normal = smr_arena_take(a, capacity, 3u * sizeof(float));
     s->area = smr_arena_take(a, capacity, sizeof(float));
 }
 

@@ -15,19 +15,19 @@
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
 {
     smr_surface *self = smr_arena_take(a, 1, sizeof *self);
-    s->xyz = smr_arena_take(a, nv, 3 * sizeof(float));
-    s->normal = smr_arena_take(a, nv, 3 * sizeof(float));
+    s->xyz = smr_arena_take(a, nv, 3u * sizeof(float));
+    s->normal = smr_arena_take(a, nv, 3u * sizeof(float));
     s->area = smr_arena_take(a, nv, sizeof(float));
-    s->triangle = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
+    s->triangle = smr_arena_take(a, nt, 3u * sizeof(uint32_t));
     s->original = smr_arena_take(a, nt, sizeof(uint32_t));
     s->border = smr_arena_take(a, nt, 1);
-    s->tree.normal = smr_arena_take(a, nt, 3 * sizeof(float));
+    s->tree.normal = smr_arena_take(a, nt, 3u * sizeof(float));
     s->tree.node = smr_arena_take(a, smr_tree_nodes(nt), sizeof(smr_node));
-    s->work.middle = smr_arena_take(a, nt, 3 * sizeof(float));
+    s->work.middle = smr_arena_take(a, nt, 3u * sizeof(float));
     s->work.key = smr_arena_take(a, nt, sizeof(uint32_t));
-    s->work.tmp = smr_arena_take(a, nt, 2 * sizeof(uint32_t));
+    s->work.tmp = smr_arena_take(a, nt, 2u * sizeof(uint32_t));
     s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
-    s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t)); /* triangles at vertices; before: counts */
+    s->work.around = smr_arena_take(a, nt, 3u * sizeof(uint32_t)); /* triangles at vertices; before: counts */
     s->work.body = (unsigned char *)s->work.around;
     return self;
 }

@@ -137,7 +137,7 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
 #define SMR_ROW(part, phase, work, order, cost, member, n_tasks, run, end)                                             \
     {                                                                                                                  \
-        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, order, offsetof(smr, member), 1000u * (cost),             \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, order, offsetof(smr, member), 1000u * (uint32_t)(cost),   \
             SMR_IN(part, n_tasks), SMR_IN(part, run), end                                                              \
     }
 #define SMR_STEP(part, phase, work, cost, member, n_tasks, run, end)                                                   \

@@ -50,9 +50,9 @@ static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
 {
     const size_t m = (size_t)n + SMR_WARP_AFFINE;
     j->warp = smr_arena_take(a, 1, sizeof *j->warp);
-    w->centre = smr_arena_take(a, n, 3 * sizeof(float));
-    w->weight = smr_arena_take(a, n, 3 * sizeof(float));
-    j->goal = smr_arena_take(a, n, 3 * sizeof(float));
+    w->centre = smr_arena_take(a, n, 3u * sizeof(float));
+    w->weight = smr_arena_take(a, n, 3u * sizeof(float));
+    j->goal = smr_arena_take(a, n, 3u * sizeof(float));
     j->count = smr_arena_take(a, n, sizeof(float));
     j->system.a = smr_arena_take(a, m * m, sizeof(float));
     j->system.b = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
