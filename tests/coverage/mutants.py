@@ -4,19 +4,20 @@
 """usage: mutants.py [BUILD [N [SEED]]]     in the folder of the Makefile, after coverage.py; default build, 200, 1
 
 Draws N faults: a line of src/**.c that some test runs, then a kind that the line allows, then a place. The changed
-file lies in BUILD/mutants and goes before the library when a program is linked, so the tree stays as it is. Only the
-programs that run the line are tried. A fault that changes no byte of the object file is `same`: no test can find it.
+file lies in BUILD/mutants and goes before the library when a program of BUILD is linked, so one file is compiled and
+the tree stays as it is. Only the programs that run the line are tried, until one fails. A fault that changes no byte of
+the object file is `same`: no test can find it. A program that needs far more processor time than before has failed.
 Ends with the survivors. SLOWEST=S leaves out programs that took longer than S seconds in coverage.py.
 """
 import collections
 import json
+import math
 import os
 import random
 import re
 import shlex
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 RELATION = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
@@ -94,8 +95,11 @@ class Bench:
     """A built tree, and the commands that made its parts."""
 
     def __init__(self, folder, programs):
+        self.scratch = f"{folder}/mutants"
+        os.makedirs(self.scratch, exist_ok=True)
         self.folder = folder
         self.programs = programs
+        self.sound = {}  # bytes of each unchanged object
         self.kills = collections.Counter()
         make = [os.environ.get("MAKE", "make"), f"BUILD={folder}"] + [f"{folder}/{name}" for name in programs]
         environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS")}
@@ -109,36 +113,39 @@ class Bench:
         self.expected = Path("tests/golden/expected.txt").read_bytes()
 
     def compile(self, path, text):
-        """The bytes of the object file, or None. It stays as mutant.o."""
-        source, target = f"{self.folder}/mutant.c", f"{self.folder}/mutant.o"
+        """The bytes of the object file, or None. It stays as mutant.o. Any optimisation gives the same results."""
+        source, target = f"{self.scratch}/mutant.c", f"{self.scratch}/mutant.o"
         Path(source).write_text(text)
         had = f"{self.folder}/obj/{path[:-2]}.o"
-        words = [{path: source, had: target}.get(word, word) for word in self.commands[had]]
-        words += ["-w", "-iquote", os.path.dirname(path)]
+        words = [{path: source, had: target}.get(word, word) for word in self.commands[had] if word[:2] not in ("-W", "-M")]
+        words += ["-O2", "-g0", "-w", "-iquote", os.path.dirname(path)]
         if subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
             return None
         return Path(target).read_bytes()
 
     def passes(self, name):
-        """Links the program with mutant.o and runs it. What takes far longer than before has failed."""
-        target = f"{self.folder}/mutant"
+        """Links the program with mutant.o and runs it."""
+        target = f"{self.scratch}/mutant"
         words = list(self.commands[f"{self.folder}/{name}"])
         at = words.index("-o")
-        words[at:at + 2] = ["-o", target, f"{self.folder}/mutant.o"]
+        words[at:at + 2] = ["-o", target, f"{self.scratch}/mutant.o"]
         if subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
             return False
-        limits = ["timeout", "-s", "KILL", str(5 + 3 * self.programs[name]["seconds"]), "prlimit", f"--as={4 << 30}"]
+        seconds = self.programs[name]["seconds"]
+        limits = ["timeout", "-s", "KILL", str(60 + 30 * seconds), "prlimit", f"--cpu={3 + math.ceil(4 * seconds)}",
+                  "--core=0", f"--as={4 << 30}"]
         done = subprocess.run(limits + [target], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.DEVNULL)
         return done.returncode == 0 and (name != "golden" or done.stdout == self.expected)
 
     def order(self, site):
-        """The programs that run the line: named like the file, quick ones and those that found most come first."""
+        """The programs that run the line: quick ones, those named like the file and those that found faults in it come first."""
         words = set(re.split(r"[/_.]", site.path)) - {"src", "c"}
 
         def cost(name):
             alike = len(words.intersection(re.split(r"[/_]", name)))
-            return (0.1 + self.programs[name]["seconds"]) / (1 + 10 * alike + self.kills[name]), name
+            found = 5 * self.kills[name, site.path] + 0.2 * self.kills[name, ""]
+            return (0.1 + self.programs[name]["seconds"]) / (1 + 10 * alike + found), name
 
         runs_line = lambda name: site.line in self.programs[name]["lines"].get(site.path, ())
         return sorted(filter(runs_line, self.programs), key=cost)
@@ -146,15 +153,16 @@ class Bench:
     def judge(self, site):
         """Returns the verdict and the program that found the fault."""
         text = Path(site.path).read_text()
-        had = self.compile(site.path, text)
+        if site.path not in self.sound:
+            self.sound[site.path] = self.compile(site.path, text)
         got = self.compile(site.path, text[:site.start] + site.text + text[site.end:])
         if got is None:
             return "not compiled", ""
-        if got == had:
+        if got == self.sound[site.path]:
             return "same", ""
         for name in self.order(site):
             if not self.passes(name):
-                self.kills[name] += 1
+                self.kills.update([(name, site.path), (name, "")])
                 return "killed", name
         return "survived", ""
 
@@ -167,6 +175,11 @@ def describe(site):
     return f"{site.path}:{site.line}: {site.kind}: {change}   in: {line}"
 
 
+def processor_seconds():
+    now = os.times()
+    return now.children_user + now.children_system
+
+
 def main():
     folder, count, seed = (sys.argv[1:] + ["build", "200", "1"][len(sys.argv) - 1:])[:3]
     programs = json.loads(Path(f"{folder}/coverage/map.json").read_text())
@@ -177,8 +190,8 @@ def main():
     for ran in programs.values():
         for path, lines in ran["lines"].items():
             covered[path].update(lines)
-    bench = Bench(f"{folder}/mutants", programs)
-    verdicts, survivors, start = collections.Counter(), [], time.monotonic()
+    bench = Bench(folder, programs)
+    verdicts, survivors, start = collections.Counter(), [], processor_seconds()
     for number, site in enumerate(draw(sites_by_line(covered), int(count), int(seed)), 1):
         verdict, killer = bench.judge(site)
         verdicts[verdict] += 1
@@ -191,7 +204,7 @@ def main():
         print(describe(site))
     print(f"{tried} mutants: {verdicts['killed']} killed ({100 * verdicts['killed'] / max(tried, 1):.1f} %), "
           f"{verdicts['survived']} survived; besides {verdicts['same']} of the same code, "
-          f"{verdicts['not compiled']} not compiled; {(time.monotonic() - start) / max(int(count), 1):.1f} s each")
+          f"{verdicts['not compiled']} not compiled; {(processor_seconds() - start) / max(int(count), 1):.1f} s of the processor each")
 
 
 if __name__ == "__main__":
