@@ -26,10 +26,12 @@ static smr_vec unit_normal(const smr_plan *p, uint32_t triangle)
     return smr_unit(smr_corners_cross(p->xyz, p->triangle + 3u * (size_t)triangle));
 }
 
+_Static_assert(SMR_TRIANGLES_MAX <= SMR_DIHEDRAL_MASK, "a dihedral edge holds its second triangle in 24 bits");
+
 static void add_dihedral(smr_plan *p, uint32_t a, uint32_t b)
 {
     const float rest = smr_dot(unit_normal(p, a), unit_normal(p, b));
-    if (rest < SMR_TURNED_BACK || a > SMR_DIHEDRAL_MASK || b > SMR_DIHEDRAL_MASK)
+    if (rest < SMR_TURNED_BACK)
         return;
     float limit = rest > 0.0f ? smr_min(SMR_RIGHT, 0.5f * rest) : SMR_RIGHT_BACK;
     if (rest < -SMR_ROUNDING)

@@ -108,7 +108,8 @@ static float arc_over(float y, float x)
     return ((far ? 1.5707964f : 0.78539818f) + z * p) / y;
 }
 
-/* Finds a multiple of R's quaternion (w, q); the largest of four squares picks the formula (Shepperd 1978). */
+/* Finds a multiple of R's quaternion (w, q); the largest of four squares, 1 or more, picks the formula (Shepperd 1978),
+ * so (w, q) is not 0. */
 smr_vec smr_rotation_log(const float m[9])
 {
     const float w2 = 4.0f + m[0] + m[4] + m[8]; /* 4 w^2 of the quaternion (w, x, y, z); below: 4 x^2, 4 y^2, 4 z^2 */
@@ -129,8 +130,6 @@ smr_vec smr_rotation_log(const float m[9])
         q = smr_scale(q, -1.0f);
     w = smr_abs(w);
     const float length = smr_length(q);
-    if (!(w > 0.0f) && !(length > 0.0f))
-        return smr_v(0, 0, 0);
     return smr_turn_within(smr_scale(q, 2.0f * arc_over(length, w)), SMR_HALF_TURN);
 }
 

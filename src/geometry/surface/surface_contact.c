@@ -188,9 +188,7 @@ static void begin_volume(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_
     box.lo = smr_high(box.lo, smr_high(all_a.lo, smr_add(one->around.lo, one->shift)));
     box.hi = smr_low(box.hi, smr_low(all_a.hi, smr_add(one->around.hi, one->shift)));
     const smr_vec size = smr_sub(box.hi, box.lo);
-    if (!(size.x > 0.0f && size.y > 0.0f && size.z > 0.0f))
-        return;
-    c->box = box;
+    c->box = box; /* a box without room gets no lines */
     c->w = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
     c->u = (c->w + 1u) % 3u;
     c->v = (c->w + 2u) % 3u;

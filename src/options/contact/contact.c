@@ -112,7 +112,7 @@ int smr_contact_acts(const smr_contact *c)
 
 void smr_contact_begin(smr_contact *c)
 {
-    for (uint32_t i = 0; c->touch != NULL && i < n_bodies(c->shared); i++)
+    for (uint32_t i = 0; i < n_bodies(c->shared); i++)
         place_box(c, i);
     c->triangles_due = smr_contact_on(c) && smr_at_last_radius(c->shared, c->schedule) && !c->schedule->tracking &&
                        c->schedule->radius_iteration + SMR_TRIANGLES_LAST >= c->shared->config.basic.iterations_last;
@@ -135,8 +135,6 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
 void smr_contact_commit(smr_contact *c)
 {
     const uint32_t n = smr_contact_on(c) ? c->schedule->n_active : 0u;
-    if (c->touch == NULL)
-        return;
     memcpy(c->reach, c->reach_next, n * sizeof *c->reach);
     for (uint32_t v = n; v < c->shared->n; v++)
         if (c->reach[v] != SMR_REACH_UNKNOWN)

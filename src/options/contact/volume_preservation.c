@@ -54,21 +54,21 @@ void smr_volumes_start(smr_volumes *v, uint32_t structure, float mm3)
 
 void smr_volumes_begin(smr_volumes *v)
 {
-    for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++)
+    for (uint32_t i = 0; i < v->shared->n_structures; i++)
         v->kept[i].ratio_at_begin = v->kept[i].ratio;
 }
 
 int smr_volumes_pending(const smr_volumes *v)
 {
     int pending = 0;
-    for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++)
+    for (uint32_t i = 0; i < v->shared->n_structures; i++)
         pending |= v->kept[i].closed && v->kept[i].now != v->kept[i].ratio_at_begin;
     return pending;
 }
 
 void smr_volumes_commit(smr_volumes *v)
 {
-    for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++) {
+    for (uint32_t i = 0; i < v->shared->n_structures; i++) {
         smr_kept_volume *one = &v->kept[i];
         const float step = SMR_VOLUME_STEP * smr_max(smr_abs(one->now), SMR_VOLUME_RATIO_LEAST);
         one->now += smr_clamp(one->ratio_at_begin - one->now, -step, step);
