@@ -100,8 +100,15 @@ TEST(test_measured)
     open.n_triangles = 11;
     assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&open), surface, 0.1f, &r));
     assert_true(r.deepest_mm == 0.0f && r.volume_mm3 == 0.0f && r.area_mm2 == 0.0f);
-    assert_int_equal(SMR_E_NULL, smr_surface_contact(NULL, surface, 0.1f, &r));
-    assert_int_equal(SMR_E_NULL, smr_surface_contact(surface, surface, 0.1f, NULL));
+    assert_int_equal(SMR_OK, smr_surface_contact(surface, rig_surface(&open), 0.1f, &r));
+    assert_true(r.deepest_mm == 0.0f && r.volume_mm3 == 0.0f && r.area_mm2 == 0.0f);
+    for (uint32_t axis = 0; axis < 3u; axis++) { /* near each other: contact, and nothing in common */
+        float at[3] = {100, 200, -300};
+        at[axis] += 10.05f;
+        const smr_mesh beside = box(at[0], at[1], at[2], 10);
+        assert_int_equal(SMR_OK, smr_surface_contact(surface, rig_surface(&beside), 0.1f, &r));
+        assert_true(r.deepest_mm == 0.0f && r.volume_mm3 == 0.0f && r.area_mm2 > 1.0f);
+    }
     assert_int_equal(SMR_E_INPUT, smr_surface_contact(surface, surface, NAN, &r));
     assert_int_equal(SMR_E_INPUT, smr_surface_contact(surface, surface, -1.0f, &r));
 }
@@ -262,6 +269,22 @@ TEST(test_fixed)
     const smr_mesh a = result_of(s, 0);
     assert_true(between(&a, &pair[1]).deepest_mm < 0.5f && between(&pair[0], &pair[1]).deepest_mm > 4.0f);
     assert_int_equal(SMR_OK, smr_set_fixed(s, 1, NULL));
+    const smr_mesh fewer = rig_ball(20, 10, 20, (const float[3]){17, 0, 0}), *const anew[] = {&pair[1], &fewer};
+    smr_surface *changed = rig_surface(&pair[1]);
+    size_t bytes;
+    assert_int_equal(SMR_OK, smr_surface_bytes(pair[1].n_vertices, pair[1].n_triangles, &bytes));
+    for (uint32_t i = 0; i < 4u; i++) { /* refitted, built anew, then with fewer vertices, left half built */
+        s = start(1, 1.0f, 1, NULL);
+        assert_int_equal(SMR_OK, smr_set_fixed(s, 0, changed));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        if (i == 0u)
+            assert_int_equal(SMR_OK, smr_surface_refit(changed, pair[1].xyz) + smr_surface_step(changed, 0, NULL, 0));
+        else if (i < 3u)
+            assert_int_equal(SMR_OK, smr_surface_build(anew[i - 1u], changed, bytes, &changed));
+        else
+            assert_int_equal(SMR_OK, smr_surface_begin(&fewer, changed, bytes, &changed));
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    }
     s = start(1, 1.0f, 0, NULL);
     assert_int_equal(SMR_E_ARENA, smr_set_fixed(s, 0, other));
 }

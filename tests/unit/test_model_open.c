@@ -247,6 +247,34 @@ TEST(each_vertex_once)
     unit_mesh_free(&ball);
 }
 
+/* Lists of several blocks: blocks that are empty, overlap or end beyond the vertices, the same of their indexes. */
+TEST(forged_blocks)
+{
+    unit_mesh ball = unit_sphere(3, 20.0f, 0.0f);
+    smr_prepare_config c = rig_radii(1, 9, 0, 0);
+    c.block_vertices = 64;
+    small_world w = {.image = unit_prepare_mesh(&ball, &c)};
+    const smr_model *m = w.image.model;
+    const smr_stored_radius *r = smr_at(m, m->at_radii);
+    const smr_stored_block *b = smr_at(m, r->at_blocks);
+    const uint32_t n = smr_le32(m->n_vertices), n_blocks = smr_le32(r->n_blocks), n_indexes = smr_le32(r->n_indexes);
+    assert_true(n_blocks >= 3u);
+    const uint32_t counts[] = {0, n_blocks - 1u, n_blocks + 1u, n + 1u, SMR_ALL};
+    for (uint32_t i = 0; i < 5u; i++)
+        assert_int_equal(open_with(&w, &r->n_blocks, counts[i]), SMR_E_MODEL);
+    for (uint32_t k = 0; k <= n_blocks; k++) {
+        const uint32_t before = k > 0u ? smr_le32(b[k - 1u].first) : 1u;
+        const uint32_t from = k > 0u && smr_le32(b[k - 1u].first_index) > 0u ? 0u : 1u;
+        const uint32_t first[] = {before, n + 1u, SMR_ALL}, first_index[] = {from, n_indexes + 1u, SMR_ALL};
+        for (uint32_t i = 0; i < 3u; i++) {
+            assert_int_equal(open_with(&w, &b[k].first, first[i]), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &b[k].first_index, first_index[i]), SMR_E_MODEL);
+        }
+    }
+    unit_image_free(&w.image);
+    unit_mesh_free(&ball);
+}
+
 TEST(views_refuse_politely)
 {
     small_world w = make(0);

@@ -72,6 +72,8 @@ TEST(points_of_the_triangle)
     assert_true(smr_triangle_closest(a, a, b, c, w) == 0.0f && w[0] == 1.0f && w[1] == 0.0f && w[2] == 0.0f);
     assert_true(smr_triangle_closest(b, a, b, c, w) == 0.0f && w[1] == 1.0f && w[0] == 0.0f && w[2] == 0.0f);
     assert_true(smr_triangle_closest(c, a, b, c, w) == 0.0f && w[2] == 1.0f && w[0] == 0.0f && w[1] == 0.0f);
+    const smr_vec tiny = smr_v(1e-8f, 0, 0), other = smr_v(0, 1e-8f, 0), within = smr_v(2e-9f, 2e-9f, 0);
+    assert_true(smr_triangle_closest(within, smr_v(0, 0, 0), tiny, other, w) < 1e-16f); /* products below any float */
     for (uint32_t i = 0; i < 10000u; i++) {
         double u = oracle_uniform(&r, 0, 1), v = oracle_uniform(&r, 0, 1);
         if (u + v > 1.0)
