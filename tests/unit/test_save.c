@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
+#include "log/record/log_format.h"
+#include "registration/api/setup.h"
 #include "unit/unit_save.h"
 
 static unit_save u;
@@ -62,6 +64,32 @@ TEST(test_bytes)
         assert_memory_equal(before, memory, off);
         assert_memory_equal(u.saved, memory + off, bytes);
         assert_memory_equal(before, memory + off + bytes, sizeof memory - off - bytes);
+    }
+}
+
+/* Saves with a right checksum whose facts do not fit the model, the values or each other. */
+TEST(test_forged_heads)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES + 8u];
+    const uint32_t all = (uint32_t)u.bytes;
+    const struct {
+        uint32_t word, value, bytes; /* the save's length, at whose end the checksum stands */
+        smr_status says;
+    } head[] = {
+        {SMR_SAVED_AT_BYTES, 8, all, SMR_E_SAVE},
+        {SMR_SAVED_AT_BYTES, all - 40u, all - 40u, SMR_E_SAVE},
+        {SMR_SAVED_AT_BYTES, all + 4u, all + 4u, SMR_E_SAVE},
+        {SMR_SAVED_AT_VERTICES, 7, all, SMR_E_MODEL},
+        {SMR_SAVED_AT_PLAN, 7, all, SMR_E_SAVE},
+    };
+    for (uint32_t i = 0; i < sizeof head / sizeof head[0]; i++) {
+        smr_status status;
+        memcpy(saved, u.saved, u.bytes);
+        assert_non_null(unit_save_restored(&u, saved, u.bytes, 0, &status));
+        smr_log_put32(saved + 4u * head[i].word, head[i].value);
+        unit_save_seal(saved, head[i].bytes);
+        assert_null(unit_save_restored(&u, saved, u.bytes + 4u, 0, &status));
+        assert_int_equal(head[i].says, status);
     }
 }
 

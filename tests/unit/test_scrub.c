@@ -167,6 +167,55 @@ TEST(the_model_must_be_whole)
     assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 0, NULL));
 }
 
+/* Structures that share a target share its checksum, set at once or one after the other, unless it changed between. */
+TEST(targets_are_shared)
+{
+    static const float at[3][3] = {{0, 0, 0}, {60, 0, 0}, {0, 60, 0}};
+    const smr_prepare_config radii = rig_radii(1, 25, 0, 0);
+    smr_mesh ball[3];
+    smr_config config = smr_config_default();
+    for (uint32_t i = 0; i < 3u; i++)
+        ball[i] = rig_ball(20, 9, 12, at[i]);
+    config.basic.n_target_vertices = 9u * ball[0].n_vertices;
+    smr *s = rig_init(rig_model(ball, 3, &radii), &config, NULL);
+    smr_surface *one = rig_surface(&ball[0]), *two = rig_surface(&ball[1]);
+    assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_INPUTS));
+    const smr_target *t = s->forces.surface.target;
+    static const struct {
+        uint32_t structure, second, refit; /* set one, or the second surface, or one after a refit */
+    } set[] = {{SMR_ALL, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {2, 1, 0}, {0, 0, 0}, {2, 0, 1}, {SMR_ALL, 0, 0}};
+    for (uint32_t i = 0; i < sizeof set / sizeof set[0]; i++) {
+        if (set[i].refit)
+            assert_int_equal(SMR_OK, smr_surface_refit(one, ball[2].xyz) + smr_surface_step(one, 0, NULL, 0));
+        assert_int_equal(SMR_OK, smr_set_surface(s, set[i].structure, set[i].second ? two : one));
+        for (uint32_t k = 0; k < 3u; k++)
+            for (uint32_t l = 0; l < k; l++)
+                if (t[k].surface != NULL && t[l].surface != NULL)
+                    assert_int_equal(t[k].surface == t[l].surface && t[k].changes == t[l].changes,
+                                     t[k].body == t[l].body);
+    }
+    assert_int_equal(SMR_OK, smr_scrub(s, 0));
+}
+
+/* The seal holds whatever is left of an iteration when a tick ends. */
+TEST(the_seal_holds_between_pieces)
+{
+    rig_clock clock;
+    smr *s = start(0);
+    uint32_t partial = 0;
+    s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr_guard_close(s);
+    assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_STATE));
+    for (uint32_t i = 0; i < 300u; i++) {
+        const smr_status status = smr_tick(s, 1, NULL);
+        assert_true(status >= SMR_OK);
+        partial += status == SMR_PARTIAL;
+    }
+    assert_true(partial > 50u);
+    flip(s->shape.x_ref, 10);
+    assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 1, NULL));
+}
+
 /* A call with a budget stops early and goes on; ticks take slices under a clock, too. */
 TEST(slices_fit_budgets)
 {
