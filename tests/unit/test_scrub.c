@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "property/rig_ball_image.h"
 #include "registration/registration.h"
 
 static const smr_model *model;
@@ -195,6 +196,29 @@ TEST(targets_are_shared)
                                      t[k].body == t[l].body);
     }
     assert_int_equal(SMR_OK, smr_scrub(s, 0));
+}
+
+/* Voxels and mask are inputs, too. */
+TEST(images_are_scrubbed)
+{
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_config config = smr_config_default_image();
+    const smr_model *ball = rig_ball_model(&reference);
+    smr_volume image = rig_ball_image(RIG_BALL_MM, rig_shift);
+    const size_t n = (size_t)RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE;
+    unsigned char *const mask = rig_alloc(n);
+    memset(mask, 1, n);
+    for (uint32_t i = 0; i < 3u; i++) {
+        smr *s = rig_init(ball, &config, NULL);
+        image.mask = i > 0u ? mask : NULL;
+        assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_INPUTS));
+        assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_OK, smr_scrub(s, 0));
+        flip(i == 2u ? (const void *)mask : image.voxels, n / 2u);
+        assert_int_equal(SMR_E_DAMAGED, smr_scrub(s, 0));
+        flip(i == 2u ? (const void *)mask : image.voxels, n / 2u);
+    }
 }
 
 /* The seal holds whatever is left of an iteration when a tick ends. */

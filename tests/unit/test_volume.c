@@ -347,6 +347,12 @@ TEST(test_refused_shapes)
     v = good; /* more voxels than any memory holds */
     v.size[0] = v.size[1] = v.size[2] = 65536;
     assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));
+    v.size[0] = 16384; /* 2^40 voxels are the most */
+    v.size[1] = 8192;
+    v.size[2] = 8193;
+    assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));
+    v.size[2] = 8192;
+    assert_int_equal(SMR_OK, smr_grid_open(&v, &(smr_grid){0}));
     assert_memory_equal(&before, &grid, sizeof grid);
     v.size[1] = v.size[2] = 1; /* the longest axis is accepted; nothing is read before a sample is asked for */
     assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
