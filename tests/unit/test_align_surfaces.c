@@ -151,6 +151,31 @@ TEST(refusals)
     assert_int_equal(smr_align(s, s, &c, memory, bytes, &pose, NULL), SMR_OK); /* report may be NULL */
 }
 
+/* A cloud of a surface's own vertices, with and without normals, as the target and as the model. */
+TEST(clouds)
+{
+    unit_mesh m = unit_sphere(3, 20.0f, 3.0f);
+    smr_surface *s = unit_surface(&m), *cloud;
+    smr_points *points;
+    const smr_align_config c = smr_align_config_default();
+    float *const normal = rig_alloc(12u * (size_t)m.nv);
+    for (uint32_t i = 0; i < 3u * m.nv; i++)
+        normal[i] = m.xyz[i] / 20.0f;
+    for (uint32_t k = 0; k < 4u; k++) {
+        size_t bytes;
+        smr_pose pose;
+        smr_align_report report;
+        assert_int_equal(smr_points_bytes(m.nv, &bytes), SMR_OK);
+        assert_int_equal(smr_points_open(m.nv, rig_alloc(bytes), bytes, &points), SMR_OK);
+        assert_int_equal(smr_points_add(points, m.xyz, k % 2u ? normal : NULL, NULL, m.nv), SMR_OK);
+        assert_int_equal(smr_points_surface_bytes(m.nv, &bytes), SMR_OK);
+        assert_int_equal(smr_points_surface(points, rig_alloc(bytes), bytes, &cloud), SMR_OK);
+        assert_int_equal(unit_align(k < 2u ? s : cloud, k < 2u ? cloud : s, &c, &pose, &report), SMR_OK);
+        assert_true(report.rms_mm < 1.0f);
+    }
+    unit_mesh_free(&m);
+}
+
 /* A segment, a point, a single triangle, a flat square: an answer or a refusal, always finite. */
 TEST(degenerate_surfaces)
 {

@@ -103,6 +103,23 @@ TEST(test_goals)
     assert_int_equal(0, last.n_forces);
 }
 
+/* The arrays stay the caller's, who may spoil them: such vertices have no goal, and nothing else changes. */
+TEST(test_spoilt_goals)
+{
+    float *xyz = bent_goals(), *weight = rig_alloc(ball.n_vertices * sizeof(float));
+    for (uint32_t i = 0; i < 4u; i++) {
+        smr *s = start(1, SMR_CALLER_OFF, NULL);
+        for (uint32_t v = 0; v < ball.n_vertices; v++)
+            weight[v] = 1.0f;
+        xyz = bent_goals();
+        assert_int_equal(SMR_OK, smr_set_goals(s, 0, xyz, weight));
+        xyz[5] = i == 1u ? NAN : i == 2u ? 2.0f * SMR_COORD_MAX : xyz[5];
+        weight[1] = i == 3u ? 2.0f * SMR_CALLER_WEIGHT : 1.0f;
+        assert_int_equal(ball.n_vertices - (i > 0u ? 1u : 0u), rig_run(s, 2).n_forces);
+        assert_true(rig_finite(rig_positions(s, model), ball.n_vertices));
+    }
+}
+
 /* The same as a force: where each vertex is drawn follows from its place at rest. Notes what it saw. */
 typedef struct pull {
     uint32_t n_vertices, wild;
@@ -153,6 +170,12 @@ static void forgets(void *ctx, const smr_force_view *view, float *way, float *we
     way[0] = (float)++*calls;
     weight[0] = (float)(view->n > 0u);
 }
+static void forgets_weights(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    uint32_t *calls = ctx;
+    way[0] = (float)(view->n > 0u);
+    weight[0] = (float)(++*calls % 2u);
+}
 
 TEST(test_broken)
 {
@@ -165,6 +188,8 @@ TEST(test_broken)
     const uint64_t before = smr_state_hash(s);
     assert_int_equal(SMR_OK, smr_set_force(s, forgets, &calls));
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_force(s, forgets_weights, &calls));
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_force(s, draw, &p)); /* not a number */
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));

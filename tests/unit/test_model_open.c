@@ -3,7 +3,9 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
+#include "image/intensity_profile.h"
 #include "model/model.h"
+#include "property/rig_ball_image.h"
 #include "unit_exercise.h"
 
 typedef struct small_world {
@@ -273,6 +275,38 @@ TEST(forged_blocks)
     }
     unit_image_free(&w.image);
     unit_mesh_free(&ball);
+}
+
+/* Profiles: their numbers of samples, spacing, sections and ranges of intensity. */
+TEST(forged_profiles)
+{
+    const smr_volume image = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_model *m = rig_ball_model(&image);
+    smr_model_info info;
+    assert_int_equal(smr_model_get_info(m, &info), SMR_OK);
+    small_world w = {.image = {.bytes = (void *)(uintptr_t)m, .size = info.bytes, .model = m}};
+    const uint32_t *range = smr_at(m, m->at_ranges), samples = smr_le32(m->profile_samples);
+    const uint32_t nan = 0x7fc00000u, huge = 0x7f000000u, far = 0xffffffc0u;
+    const struct {
+        const uint32_t *word;
+        uint32_t value;
+    } bad[] = {{&m->profile_samples, 2},
+               {&m->profile_samples, SMR_PROFILE_MAX + 1u},
+               {&m->profile_samples, SMR_ALL},
+               {&m->profile_inward, samples},
+               {&m->profile_step, 0},
+               {&m->profile_step, nan},
+               {&m->at_profiles, far},
+               {&m->at_ranges, far},
+               {&range[0], nan},
+               {&range[5], huge},
+               {smr_at(m, m->at_mass), 0},
+               {smr_at(m, m->at_mass), nan},
+               {smr_at(m, m->at_rest), nan},
+               {smr_at(m, m->at_rest), huge}};
+    assert_int_equal(open_with(&w, &m->profile_inward, smr_le32(m->profile_inward)), SMR_OK);
+    for (uint32_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        assert_int_equal(open_with(&w, bad[i].word, bad[i].value), SMR_E_MODEL);
 }
 
 TEST(views_refuse_politely)

@@ -125,11 +125,10 @@ TEST(surfaces)
     NEEDS(1, smr_surface_bytes(9, 9, OR_NULL(0, &e.bytes)))
     NEEDS(3, smr_surface_build(OR_NULL(0, &mesh), OR_NULL(1, e.memory), ROOM, OR_NULL(2, &surface)))
     NEEDS(3, smr_surface_begin(OR_NULL(0, &mesh), OR_NULL(1, e.memory), ROOM, OR_NULL(2, &surface)))
-    for (uint32_t i = 0; i < 2u; i++) {
-        mesh = e.mesh;
-        NEEDS(1, (mesh.xyz = OR_NULL(0, e.mesh.xyz), smr_surface_build(&mesh, e.memory, ROOM, &surface)))
-        NEEDS(1, (mesh.triangles = OR_NULL(0, e.mesh.triangles), smr_surface_build(&mesh, e.memory, ROOM, &surface)))
-    }
+    NEEDS(1, (mesh.xyz = OR_NULL(0, e.mesh.xyz), smr_surface_build(&mesh, e.memory, ROOM, &surface)))
+    NEEDS(1, (mesh.xyz = OR_NULL(0, e.mesh.xyz), smr_surface_begin(&mesh, e.memory, ROOM, &surface)))
+    NEEDS(1, (mesh.triangles = OR_NULL(0, e.mesh.triangles), smr_surface_build(&mesh, e.memory, ROOM, &surface)))
+    NEEDS(1, (mesh.triangles = OR_NULL(0, e.mesh.triangles), smr_surface_begin(&mesh, e.memory, ROOM, &surface)))
     NEEDS(1, smr_surface_step(OR_NULL(0, surface), 1, NULL, 0))
     NEEDS(2, smr_surface_refit(OR_NULL(0, surface), OR_NULL(1, e.mesh.xyz)))
     NEEDS(3, smr_surface_closest(OR_NULL(0, e.surface), OR_NULL(1, e.xyz), NULL, 0, 1, OR_NULL(2, &hit)))
@@ -313,8 +312,33 @@ TEST(numbers)
     port.n_workers = 0; /* as no port */
     assert_int_equal(SMR_OK,
                      smr_articulated_begin(e.surface, e.surface, &e.pose, &port, e.memory, ROOM, e.xyz, &bent, &e.job));
+    port.n_workers = 1;
+    assert_int_equal(SMR_OK,
+                     smr_articulated_begin(e.surface, e.surface, &e.pose, &port, e.memory, ROOM, e.xyz, &bent, &e.job));
     assert_int_equal(SMR_E_INPUT, smr_carry_bytes(SMR_VERTICES_MAX + 1u, 1, 1, &e.bytes));
     assert_int_equal(SMR_E_INPUT, smr_align_landmarks(wild, p, 1, 0, &pose, NULL));
     assert_int_equal(SMR_E_INPUT, smr_align_landmarks(p, wild, 1, 0, &pose, NULL));
     assert_int_equal(SMR_E_INPUT, smr_warp_fit(p, p, 0, 0, e.memory, ROOM, &warp, &kind));
+}
+
+/* Parts of an alignment: no model, a model or a target that is none, and one that changes under the job. */
+TEST(parts)
+{
+    void *const zero = rig_alloc(4096);
+    smr_align_part part;
+    smr_align_config c = smr_align_config_default();
+    size_t bytes;
+    c.part = &part;
+    c.n_parts = 1;
+    assert_int_equal(SMR_OK, smr_align_bytes(&c, &bytes));
+    void *const memory = rig_alloc(bytes);
+    smr_surface *const own = rig_surface(&e.mesh), *const wrong[][2] = {{NULL, NULL}, {zero, NULL}, {own, zero}};
+    for (uint32_t i = 0; i < 3u; i++) {
+        part = (smr_align_part){.model = wrong[i][0], .target = wrong[i][1]};
+        assert_int_equal(SMR_E_STATE, smr_align_begin(e.surface, e.surface, &c, memory, bytes, &e.pose, NULL, &e.job));
+    }
+    part = (smr_align_part){.model = own, .target = own};
+    assert_int_equal(SMR_OK, smr_align_begin(e.surface, e.surface, &c, memory, bytes, &e.pose, NULL, &e.job));
+    assert_int_equal(SMR_OK, smr_surface_refit(own, e.mesh.xyz) + smr_surface_step(own, 0, NULL, 0));
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e.job, 1, NULL, 0));
 }
