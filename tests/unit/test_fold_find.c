@@ -193,3 +193,36 @@ TEST(test_unfolds)
     sharpen(-0.05f, -0.1f, 1, &before, &after, &moved); /* they looked away from each other at rest */
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
+
+/* The items of a pass: all dihedral edges, or the triangles or vertices of the pass' structure, each once. */
+static uint32_t n_seen, seen[64];
+
+static void see(smr_folds *f, uint32_t from, uint32_t to)
+{
+    (void)f;
+    for (uint32_t i = from; i < to; i++, n_seen++)
+        seen[i % 64u]++;
+}
+
+TEST(test_passes)
+{
+    smr_shape_structure structure[2] = {
+        {.first_triangle = 0, .tree.n_triangles = 13, .n_vertices = 9},
+        {.first_triangle = 13, .tree.n_triangles = 11, .first_vertex = 9, .n_vertices = 7}};
+    const smr_shared shared = {.n_dihedrals = 50};
+    const smr_shape shape = {.structure = structure};
+    smr_folds f = {.shared = &shared, .shape = &shape};
+    static const uint32_t first[] = {0, 13, 9}, n[] = {50, 11, 7};
+    for (uint32_t over = 0; over < 3u; over++) {
+        const smr_fold_stage stage = {over, 3, see};
+        smr_fold_pass pass = {.structure = 1};
+        n_seen = 0;
+        memset(seen, 0, sizeof seen);
+        while (!smr_fold_run(&f, &pass, &stage)) {
+        }
+        assert_int_equal(n[over], n_seen);
+        assert_int_equal((n[over] + 2u) / 3u, pass.n_done);
+        for (uint32_t i = 0; i < 64u; i++)
+            assert_int_equal(i >= first[over] && i < first[over] + n[over], seen[i]);
+    }
+}
