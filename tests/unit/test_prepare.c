@@ -213,7 +213,7 @@ TEST(progress_and_abort)
         bench b = set_up();
         watch all = {0, 0, 0, 0};
         unit_mesh_free(&b.mesh); /* breadth-first reports every 1,024 vertices */
-        b.mesh = unit_grid(order ? 50u : 20u, order ? 45u : 20u, 3.0f);
+        b.mesh = unit_grid(order ? 50u : 12u, order ? 45u : 12u, 3.0f);
         b.one.mesh = unit_view(&b.mesh);
         b.config.order = order;
         b.config.progress = on_progress;
