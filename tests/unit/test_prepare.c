@@ -194,7 +194,7 @@ TEST(the_same_image_whoever_works)
 }
 
 typedef struct watch {
-    uint32_t calls, stop_at, last, total;
+    uint32_t calls, stop_at, last, total, early;
 } watch;
 
 static int on_progress(void *ctx, uint32_t done, uint32_t total)
@@ -204,6 +204,7 @@ static int on_progress(void *ctx, uint32_t done, uint32_t total)
     assert_true(w->calls == 0u || (done >= w->last && total == w->total));
     w->last = done;
     w->total = total;
+    w->early += done == 0u;
     return ++w->calls == w->stop_at;
 }
 
@@ -211,9 +212,9 @@ TEST(progress_and_abort)
 {
     for (uint32_t order = 0; order < 2u; order++) {
         bench b = set_up();
-        watch all = {0, 0, 0, 0};
+        watch all = {0};
         unit_mesh_free(&b.mesh); /* breadth-first reports every 1,024 vertices */
-        b.mesh = unit_grid(order ? 50u : 12u, order ? 45u : 12u, 3.0f);
+        b.mesh = unit_grid(order ? 50u : 20u, order ? 45u : 20u, 3.0f);
         b.one.mesh = unit_view(&b.mesh);
         b.config.order = order;
         b.config.progress = on_progress;
@@ -221,18 +222,22 @@ TEST(progress_and_abort)
         rig_free(b.scratch);
         assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, &b.scratch_bytes), SMR_OK);
         b.scratch = rig_rough(b.scratch_bytes);
-        size_t bytes = 99;
-        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &bytes), SMR_OK);
-        assert_true(all.calls > 1u);
+        size_t bytes = 99, most;
+        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &most), SMR_OK);
+        void *const image = rig_rough(most);
+        all = (watch){0};
+        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, image, most, &bytes), SMR_OK);
+        assert_true(all.calls > 1u && (order || all.early > 1u)); /* also while the priority list is made */
         for (uint32_t stop = 1; stop <= all.calls; stop++) {
-            watch w = {0, stop, 0, 0};
+            watch w = {.stop_at = stop};
             b.config.progress_ctx = &w;
             bytes = 99;
-            assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &bytes),
+            assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, image, most, &bytes),
                              SMR_E_ABORTED);
             assert_int_equal(w.calls, stop); /* not asked again */
             assert_int_equal(bytes, 99);
         }
+        rig_free(image);
         tear_down(&b);
     }
 }
