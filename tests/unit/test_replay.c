@@ -193,6 +193,28 @@ TEST(test_forged_logs_are_harmless)
     assert_true(ended > 100u && refused > 100u);
 }
 
+/* A log that became full ends with its last tick, and says so each time. */
+TEST(test_full)
+{
+    static unsigned char log[SMR_LOG_BYTES(3, 0)];
+    smr *s = unit_log_begin(&unit_recorded, NULL), *twin = unit_log_begin(&unit_recorded, NULL);
+    smr_log_state recorded;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    for (uint32_t i = 0; i < 9u; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_log(s, &recorded));
+    assert_true(recorded.full && recorded.n_ticks >= 3u && recorded.n_ticks < 9u);
+    assert_int_equal(SMR_OK, smr_replay_start(twin, log, recorded.bytes, NULL, NULL, &replay));
+    for (uint32_t i = 0; i < recorded.n_ticks + 2u; i++) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+        assert_int_equal(i >= recorded.n_ticks, report.ended);
+        assert_int_equal(i >= recorded.n_ticks, report.full);
+    }
+    assert_int_equal(recorded.n_ticks, report.tick);
+}
+
 TEST(test_refusals)
 {
     static _Alignas(SMR_ALIGN) unsigned char zeros[8192];

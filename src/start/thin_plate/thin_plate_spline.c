@@ -220,10 +220,11 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     if (from == NULL || to == NULL || warp == NULL || kind == NULL)
         return SMR_E_NULL;
     SMR_TRY(smr_arena_start(&a, memory, bytes));
-    if (n == 0u || n > SMR_LANDMARKS_MAX || !(smoothing >= 0.0f && smoothing <= FLT_MAX) ||
-        !smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
+    SMR_TRY(smr_warp_bytes(n, &needed));
+    if (!(smoothing >= 0.0f && smoothing <= FLT_MAX) || !smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) ||
+        !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
-    if (smr_warp_bytes(n, &needed) != SMR_OK || needed > bytes)
+    if (needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
     layout(&a, n, &j, &w);
