@@ -5,12 +5,15 @@
 
 A condition counts where two runs of its decision show that it alone changes the outcome. tests/coverage/justified.txt
 lists conditions that no run can show, `source|words of the decision|condition, from 1, or *|why`, * as source for all,
-^ before words with which the decision begins; a line there that fits no uncovered condition fails. BUILD/mcdc/missed.txt lists what is neither covered nor justified. Needs clang and
-llvm from version 19 on; CLANG, LLVM_COV and LLVM_PROFDATA name others. Decisions that clang does not instrument, because
-another decision stands within one of their conditions, are counted apart.
+^ before words with which the decision begins; a line there that fits no uncovered condition fails. BUILD/mcdc/missed.txt
+lists what is neither covered nor justified. Needs clang and llvm from version 19 on; CLANG, LLVM_COV and LLVM_PROFDATA
+name others. Decisions that clang does not instrument, because another decision stands within one of their conditions,
+are counted apart.
 """
+import functools
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -59,6 +62,16 @@ def run(folder, programs):
     return profiles
 
 
+@functools.lru_cache(maxsize=None)
+def words_of(path, line, column, last, end):
+    rows = Path(path).read_text().split("\n")[line - 1:last]
+    if not rows:
+        return ""
+    rows[-1] = rows[-1][:end - 1]
+    rows[0] = rows[0][column - 1:]
+    return " ".join(" ".join(rows).split())
+
+
 def decisions(folder, profiles):
     """Yields source, first line, text and flags of the conditions of each decision; an inline function's runs add up."""
     merged = f"{folder}/all.profdata"
@@ -72,16 +85,15 @@ def decisions(folder, profiles):
     found = {}
     for function in json.loads(text)["data"][0]["functions"]:
         for record in function["mcdc_records"]:
-            line, column, last, end = record[:4]
-            key = (os.path.relpath(function["filenames"][record[4]]), line, column, last, end)
+            # clang names the file that uses a macro, and the place in the file that defines it
+            names = [os.path.relpath(name) for name in [function["filenames"][record[4]]] + function["filenames"]]
+            key = next(((name, *record[:4]) for name in names if re.search(r"&&|\|\|", words_of(name, *record[:4]))),
+                       (names[0], *record[:4]))
             flags = record[-1]
             had = found.setdefault(key, [False] * len(flags))
             found[key] = [a or b for a, b in zip(had, flags)]
-    for (path, line, column, last, end), flags in sorted(found.items()):
-        rows = Path(path).read_text().split("\n")[line - 1:last]
-        rows[-1] = rows[-1][:end - 1]
-        rows[0] = rows[0][column - 1:]
-        yield path, line, " ".join(" ".join(rows).split()), flags
+    for key, flags in sorted(found.items()):
+        yield key[0], key[1], words_of(*key), flags
 
 
 def row_fits(row, path, text, number):
