@@ -116,7 +116,7 @@ int smr_order_step(smr_order *o, uint32_t most)
         if (o->size == 0u && done <= SMR_SORT_SMALL) /* a small range was sorted at once */
             most -= smr_min_u32(most, SMR_ORDER_COST * done);
     }
-    return o->size == 0u && o->top == 0u;
+    return 0;
 }
 
 void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint32_t first, uint32_t last)
