@@ -33,7 +33,12 @@ TEST(test_noise_level)
         if (!(noise >= 0.9f * truth && noise <= 1.1f * truth + 1.0e-3f))
             fail_msg("noise %g measured as %g", (double)truth, (double)noise);
     }
-    smr_volume none = slope(0, 9.0f); /* too thin; then no place without NaN */
+    smr_volume none = slope(2, 60.0f); /* two slices, or one, do: the mask lies in a slice */
+    for (none.size[2] = 2; none.size[2] > 0u; none.size[2]--) {
+        assert_int_equal(SMR_OK, smr_grid_open(&none, &grid));
+        assert_true(fabsf(smr_grid_noise(&grid) - 60.0f / 1.732f) < 4.0f);
+    }
+    none = slope(0, 9.0f); /* too thin; then no place without NaN */
     none.size[2] = none.size[1] = 2;
     assert_int_equal(SMR_OK, smr_grid_open(&none, &grid));
     assert_true(!(smr_grid_noise(&grid) > 0.0f));

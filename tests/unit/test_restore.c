@@ -168,6 +168,7 @@ TEST(test_log_goes_on)
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_E_LOG, smr_set_log(s, other, sizeof other));
     assert_int_equal(SMR_E_ARENA, smr_set_log(s, log, at.bytes));
+    assert_int_equal(SMR_E_ARENA, smr_set_log(s, log, at.bytes - 1u));
     memcpy(other, log, at.bytes);
     assert_int_equal(SMR_OK, smr_set_log(s, other, sizeof other));
     assert_int_equal(SMR_E_STATE, smr_set_log(s, log, sizeof log));
