@@ -17,6 +17,7 @@
 #define SMR_STRAIN_SMOOTH 0.15f /* largest plausible strain on a target without noise */
 #define SMR_STRAIN_NOISE 2.0f   /* strain by noise for a residual of one mean edge length; squares of strains add up */
 #define SMR_UNLIKE_MOST 0.3f    /* largest 1 less image similarity that is multiplied by the stretch */
+#define SMR_BETWEEN_BODIES 1.7f /* factor on the bend of a model that leaves much of a target's bodies uncovered */
 #define SMR_OPEN_LEAST 1.8f     /* mm: smaller expected errors are not compared with the bend */
 
 /* Indexes of the measures that give doubt. */
@@ -129,6 +130,8 @@ static void take_surface(const smr_verdict *v, float edge_mm, float *m)
     m[LITTLE] = lacking(v->visible_share);
     m[PART] = v->visible_share < SMR_PART_SHARE ? v->expected_error_mm : 0.0f;
     m[v->visible_share > SMR_WHOLE_SHARE ? UNCOVERED : UNCOVERED_PART] = lacking(v->target_covered);
+    if (lacking(v->target_covered) > table[UNCOVERED].limit)
+        m[BEND] *= SMR_BETWEEN_BODIES; /* a model that lies on parts of two bodies bends from one to the other */
     m[NORMALS] = lacking(v->normals_agree);
     m[RESIDUAL] = v->residual_mm / smr_max(edge_mm, 1.0e-6f);
     m[STRAIN] = v->strain / strain_most(v, edge_mm);
