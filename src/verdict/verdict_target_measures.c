@@ -12,7 +12,7 @@
 #define SMR_SURELY 1.001f       /* factor on distances, so that rounding errors do not cover the target */
 /* Vertices in a task whose distances are found together; fewer where a piece takes long. No result depends on it. */
 #define SMR_MEASURE_GROUP (SMR_LANES / 2u)
-#define SMR_MEASURE_PIECE 8u   /* triangles of the target or points in a task that searches for each of them */
+#define SMR_MEASURE_PIECE 7u   /* triangles of the target or points in a task that searches for each of them */
 #define SMR_MEASURE_NORMALS 5u /* triangles of the model in a task, which are searched for together */
 
 static float visible_part(const smr_judgement *j, const uint32_t *t)
