@@ -273,8 +273,8 @@ static const struct {
     {"smr_get_landmarks", target_get_marks, TARGET_WHOLE, TARGET_MARK},
     {"smr_state_hash", target_hash, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_verdict_begin", target_verdict, TARGET_JOB, TARGET_VERTEX},
-    {"smr_expected_begin", target_expected, TARGET_JOB, TARGET_VERTEX},
     {"smr_local_volume_begin", target_local, TARGET_JOB, TARGET_VERTEX},
+    {"smr_expected_begin", target_expected, TARGET_JOB, TARGET_VERTEX}, /* a verdict just before would leave them */
     {"smr_save_bytes", target_save_bytes, TARGET_WHOLE, TARGET_ONE},
     {"smr_save_begin", target_save, TARGET_JOB, TARGET_VERTEX},
     {"smr_restore_begin", target_restore, TARGET_JOB, TARGET_VERTEX},
