@@ -102,11 +102,11 @@ rm several/b.ply
 mv b.ply several/b.ply
 
 # One number changed, with right checksums: the tick is named.
-"$SMR" register --model bone.ply --target target.ply -o results --quiet --log run.log --ticks 60 >/dev/null
-for tick in 1 17 60; do
+"$SMR" register --model bone.ply --target target.ply -o results --quiet --log run.log --ticks 40 >/dev/null
+for tick in 1 17 40; do
     "$log_tool" taken run.log changed.log $tick -64
     check "n_taken of tick $tick" has_status 1 "$SMR" replay changed.log
-    check "is found at that tick" sh -c "[ \$(wc -l <out.txt) -eq 1 ] && grep -q '^changed.log: tick $tick of 60 differs: ' out.txt"
+    check "is found at that tick" sh -c "[ \$(wc -l <out.txt) -eq 1 ] && grep -q '^changed.log: tick $tick of 40 differs: ' out.txt"
 done
 "$log_tool" taken run.log changed.log 17 0
 check "sealed without a change it agrees" has_status 0 "$SMR" replay changed.log
