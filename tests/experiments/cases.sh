@@ -307,14 +307,23 @@ group_dense() {
     bound 'five of 15,000 vertices: error over that of 4,000' dense_1.vertex_sum/dense_0.vertex_sum 1.05
     bound 'a femur of 56,000 vertices: error over that of 4,000' dense_2:2008:1.vertex/dense_0:2008:1.vertex 1.1
     loop() { # row, A, B
-        register there --model $2 --target $3 --align similarity
-        register $1 --model there/*.ply --target $2 --align similarity
-        tool apart $1/*.ply $2 | awk '{ v[$1] = $2 } END { print "loop", v["sum"] / v["vertices"] }' | keep $1
+        tool pair case $2 $3 0 0 -1 2 >/dev/null
+        register there --model case/model/*.ply --target case/target/*.ply --align similarity
+        register $1 --model there/*.ply --target case/model/*.ply --align similarity
+        tool apart $1/*.ply case/model/*.ply | awk '{ v[$1] = $2 } END { print "loop", v["sum"] / v["vertices"] }' | keep $1
+        rm -r case
     }
     loop loop_hip data/hip_thigh_vhm/hip_bone.ply data/thigh_person/truth/hip_bone.ply
-    loop loop_femur $(file_of 2007) $(file_of 2008)
+    loop loop_ct $(file_of hip_right) x:data/ct_hips_surfaces/hip_bone_left.ply
+    set -- $femurs
+    while [ $# -gt 1 ]; do
+        one=$1; shift
+        for other; do loop femurs:$one:$other $(as_left $one) $(as_left $other); done
+    done
+    over femurs
     bound 'loop of a hip bone over another person' loop_hip.loop 0.9
-    bound 'loop of a femur over another person' loop_femur.loop 0.45
+    bound 'loop of a hip bone over the other side' loop_ct.loop 0.35
+    bound 'ten loops of femurs over other people, mean' femurs.loop 0.45
 }
 
 # Transforms averaged by matrices and by logarithms: as close, and nothing folds more.

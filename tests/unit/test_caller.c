@@ -106,12 +106,11 @@ TEST(test_goals)
 /* The arrays stay the caller's, who may spoil them: such vertices have no goal, and nothing else changes. */
 TEST(test_spoilt_goals)
 {
-    float *xyz = bent_goals(), *weight = rig_alloc(ball.n_vertices * sizeof(float));
     for (uint32_t i = 0; i < 4u; i++) {
         smr *s = start(1, SMR_CALLER_OFF, NULL);
+        float *xyz = bent_goals(), *weight = rig_alloc(ball.n_vertices * sizeof(float));
         for (uint32_t v = 0; v < ball.n_vertices; v++)
             weight[v] = 1.0f;
-        xyz = bent_goals();
         assert_int_equal(SMR_OK, smr_set_goals(s, 0, xyz, weight));
         xyz[5] = i == 1u ? NAN : i == 2u ? 2.0f * SMR_COORD_MAX : xyz[5];
         weight[1] = i == 3u ? 2.0f * SMR_CALLER_WEIGHT : 1.0f;

@@ -191,7 +191,7 @@ TEST(carrying)
 TEST(saves_and_logs)
 {
     static unsigned char log[SMR_LOG_BYTES(9, 0)];
-    unsigned char *const saved = e.memory, *const arena = rig_alloc(ROOM);
+    unsigned char *const saved = rig_alloc(ROOM), *const arena = rig_alloc(ROOM);
     smr *out = rig_init(e.model, &e.config, NULL);
     smr_saved_info info;
     smr_log_state recorded;

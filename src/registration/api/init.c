@@ -2,6 +2,7 @@
  * once: smr_layout() measures for smr_arena_bytes(), places for smr_init(), on a copy on the stack until the arena is
  * known to be large enough, and lists the values of smr_save() and smr_restore().
  * SPDX-License-Identifier: MIT */
+#include "registration/tick/iteration_steps.h"
 #include "geometry/rotation/rotation.h"
 #include "options/references/references.h"
 #include "registration/config/config.h"

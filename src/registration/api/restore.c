@@ -1,6 +1,7 @@
 /* restore.c: restores a registration from saved bytes, all of which are checked before anything is written.
  * Bounds: two passes over the bytes; the bounds of smr_init().
  * SPDX-License-Identifier: MIT */
+#include "registration/tick/iteration_steps.h"
 #include "options/references/references.h"
 #include "registration/api/start.h"
 #include "registration/config/config.h"

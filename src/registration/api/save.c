@@ -3,6 +3,8 @@
  * are not saved; the time budget learns the costs of steps again.
  * Bounds: one pass over all slots, and one over each input.
  * SPDX-License-Identifier: MIT */
+#include "options/track/track.h"
+#include "options/dynamics/dynamics.h"
 #include "registration/api/setup.h"
 #include "registration/measure_job.h"
 #include "registration/schedule_radius.h"

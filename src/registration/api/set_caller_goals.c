@@ -1,6 +1,7 @@
 /* set_caller_goals.c: sets goals and the force that the caller supplies.
  * Bounds: one pass over a structure's goals.
  * SPDX-License-Identifier: MIT */
+#include "options/track/track.h"
 #include "registration/api/setup.h"
 
 static int legal(const float *xyz, const float *weights, uint32_t n)

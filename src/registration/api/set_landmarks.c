@@ -1,6 +1,7 @@
 /* set_landmarks.c: sets landmarks, binds them to the model, and reads their positions.
  * Bounds: for a new point one pass over the model's triangles, and one over its vertices.
  * SPDX-License-Identifier: MIT */
+#include "options/track/track.h"
 #include "geometry/box_tree/triangle.h"
 #include "registration/api/setup.h"
 

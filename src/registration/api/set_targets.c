@@ -2,6 +2,8 @@
  * that structures must not enter.
  * Bounds: one pass over a fixed surface's vertices; for an image those of a start of the schedule.
  * SPDX-License-Identifier: MIT */
+#include "registration/tick/iteration_steps.h"
+#include "options/track/track.h"
 #include "registration/api/setup.h"
 
 /* Returns the number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */

@@ -1,6 +1,7 @@
 /* set_volume_ratio.c: sets the wanted volumes of structures, and reads the present ones.
  * Bounds: a pass over the structures; to read volumes, one over a structure's triangles and one over all vertices.
  * SPDX-License-Identifier: MIT */
+#include "options/track/track.h"
 #include "registration/api/setup.h"
 
 smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)

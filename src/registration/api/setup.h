@@ -3,7 +3,7 @@
 #ifndef SMR_SETUP_H
 #define SMR_SETUP_H
 
-#include "registration/tick/iteration_steps.h"
+#include "registration/registration.h"
 
 /* Sets all fields that follow from model and configuration alone; the other fields become 0. */
 void smr_count(smr *s, const smr_model *model, const smr_config *config);
