@@ -224,10 +224,11 @@ static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     smr_judgement *j = job;
     if (j->verdict == NULL)
         return;
+    const smr_verdict *const one = j->by == SMR_BY_MEMORY ? kept(j->s, j->asked) : NULL;
     if (j->asked == SMR_ALL)
         judge_all(j, j->verdict);
-    else if (j->by == SMR_BY_MEMORY)
-        *j->verdict = *kept(j->s, j->asked);
+    else if (one != NULL)
+        *j->verdict = *one;
     else
         conclude(j, j->asked, &j->e, j->verdict);
     note_state(j->s, j->verdict);

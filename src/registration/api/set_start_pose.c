@@ -2,6 +2,7 @@
  * (base/job.h). Nothing is written until all positions are checked; from then on no other call is allowed.
  * Bounds: about ten passes over vertices and two over triangles, in tasks of SMR_START_PIECE and SMR_TRIANGLE_CHUNK.
  * SPDX-License-Identifier: MIT */
+#include "registration/tick/iteration_steps.h"
 #include "geometry/surface/mesh.h"
 #include "options/references/references.h"
 #include "registration/api/start.h"
