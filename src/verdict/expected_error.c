@@ -188,7 +188,7 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
 {
     const smr_normal_field *f = &j->field;
     const float least = SMR_ALONG_LEAST * smr_le_float(j->s->shared.model->edge_mm);
-    const int visible = smr_judged_visible(j)[v];
+    const int visible = smr_judged_visible(j->s)[v];
     const float near = f->image_part ? SMR_UNSEEN_IMAGE : SMR_UNSEEN_NEAR, grown2 = f->image_part ? 0.0f : far2;
     const float across = visible ? 0.0f : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
@@ -303,7 +303,7 @@ void smr_errors_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_mean_add(&e->expected, expected[0], 1.0f);
         smr_mean_add(&e->across, expected[1], 1.0f);
         smr_mean_add(&e->along, expected[2], 1.0f);
-        smr_mean_add(&e->on_visible, expected[0], (float)smr_judged_visible(j)[v]);
+        smr_mean_add(&e->on_visible, expected[0], (float)smr_judged_visible(j->s)[v]);
         if (SMR_HAS_IMAGE && e->n_invisible > 0u && !smr_image_shows(&j->s->forces.image, v))
             smr_mean_add(&e->hidden, expected[0], 1.0f);
     }

@@ -31,7 +31,7 @@ static uint32_t place(smr_normal_field *f, const smr *s)
 static int is_observed(const smr_judgement *j, uint32_t v)
 {
     const smr_vec n = smr_get3(j->s->shape.normal, v);
-    return smr_judged_visible(j)[v] && smr_dot(n, n) > 0.5f;
+    return smr_judged_visible(j->s)[v] && smr_dot(n, n) > 0.5f;
 }
 
 uint32_t smr_observed_tasks(const void *job)

@@ -162,9 +162,9 @@ static void moved_fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
  * without room. */
 static smr_verdict *kept_place(const smr *s, uint32_t structure)
 {
-    const size_t n = s->shared.n, from = 60u * n + (n + 7u) / 8u * 8u;
-    unsigned char *const at = (unsigned char *)s->overlay.record + from + structure * sizeof(smr_verdict);
-    return from + (structure + 1u) * sizeof(smr_verdict) <= 64u * n ? (smr_verdict *)(void *)at : NULL;
+    const size_t n = s->shared.n, from = (n + 7u) / 8u * 8u + structure * sizeof(smr_verdict);
+    unsigned char *const visible = smr_judged_visible(s);
+    return from + sizeof(smr_verdict) <= n * sizeof(uint32_t) ? (smr_verdict *)(void *)(visible + from) : NULL;
 }
 
 /* Returns the verdict on a structure that one on all structures has left; NULL: none. */

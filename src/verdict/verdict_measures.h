@@ -181,10 +181,10 @@ static inline uint32_t *smr_judged_list(const smr_judgement *j)
     return j->s->overlay.record + 14u * (size_t)j->s->shared.n;
 }
 
-/* Returns the array [n] in which visible vertices of the structure are 1. */
-static inline unsigned char *smr_judged_visible(const smr_judgement *j)
+/* Returns the array [n] in which visible vertices of the structure are 1; the memory of records ends behind it. */
+static inline unsigned char *smr_judged_visible(const smr *s)
 {
-    return (unsigned char *)(j->s->overlay.record + 15u * (size_t)j->s->shared.n);
+    return (unsigned char *)(s->overlay.record + 15u * (size_t)s->shared.n);
 }
 
 /* Returns 1 when the target showed stored vertex v at the last judgement of visibility. */

@@ -17,7 +17,7 @@
 
 static float visible_part(const smr_judgement *j, const uint32_t *t)
 {
-    const unsigned char *visible = smr_judged_visible(j);
+    const unsigned char *visible = smr_judged_visible(j->s);
     return (float)(visible[t[0]] + visible[t[1]] + visible[t[2]]) * (1.0f / 3.0f);
 }
 

@@ -79,7 +79,7 @@ void smr_visible_find(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_piece piece = smr_piece_of(task, SMR_MEASURE_SEEN, smr_judged(j)->n_vertices);
     for (uint32_t i = piece.first; i < piece.last; i++) {
         const uint32_t v = smr_judged_vertex(j, i);
-        smr_judged_visible(j)[v] = (unsigned char)smr_vertex_visible(j->s, v);
+        smr_judged_visible(j->s)[v] = (unsigned char)smr_vertex_visible(j->s, v);
     }
 }
 
@@ -151,7 +151,7 @@ static uint32_t add_landmarks(smr_judgement *j)
 static void add_vertex(smr_judgement *j, uint32_t v)
 {
     const smr_forces *f = &j->s->forces;
-    const int visible = smr_judged_visible(j)[v];
+    const int visible = smr_judged_visible(j->s)[v];
     if (j->by == SMR_BY_IMAGE) {
         smr_mean_add(&j->mean, 1.0f, (float)smr_image_shows(&f->image, v));
         if (f->found_last[v] == SMR_FOUND_GOAL)

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: MIT
 
 # Femurs 12 mm and 6 degrees off, structures and an image, in ticks of any budget: as near as without one and with the same
-# verdict, and with --budget-exact the same bits; into an image always. All: 300 runs, half of them exact.
+# verdict, and with --budget-exact the same bits; into an image always. All: 100 runs and 100 exact ones.
 group_budgets() {
     need femurs || return
     hash_of() { sed -n 's/.*"state_hash": "\(.*\)".*/\1/p' $1/report.json; }

@@ -75,7 +75,7 @@ record() { echo "$1 $(evaluate 'printf "%.6g", v' "$2")" >>"$figures"; } # figur
 
 bound() { # text, expression, limit: the expression's value is at most the limit's
     evaluate "l = $(evaluate 'printf "%.9g", (none == "" ? v : -1e9)' "$3"); ok = none == \"\" && v + 0 <= l
-        printf \"  %-4s %-60s %s, at most %.4g\n\", ok ? \"ok\" : \"MISS\", \"$1\", none == \"\" ? sprintf(\"%8.3f\", v) : v, l" "$2"
+        printf \"  %-4s %-60s %s, at most %.4g\n\", ok ? \"ok\" : \"MISS\", \"$1\", none == \"\" ? sprintf(\"%8.3f\", v) : v, l" "$2" || fault "$1: $2"
 }
 
 # row, then expressions of its figures, each with its limit: names without a dot are the row's, ROW.FIGURE another row's.

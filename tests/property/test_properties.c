@@ -220,10 +220,10 @@ TEST(test_slivers)
     smr_mesh source, target;
     if (!femur("vhm_left", 1, &source) || !femur("m_right", 0, &target))
         skip();
-    apart most = femurs_moved(&source, &target);
-    if (most.share < 0.001f)
-        most.worst *= 0.5f;
-    assert_moves_along("slivers", &most);
+    const apart most = femurs_moved(&source, &target);
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        tell("slivers", &most);
+    assert_true(most.share < 0.001f && most.worst <= 2.0f * TOLERANCE_MM);
 }
 
 TEST(test_mirror)

@@ -265,6 +265,13 @@ TEST(test_together)
     v.target_covered = 0.3f; /* not the whole of a larger target, but elsewhere */
     smr_judge(&v, 4.0f, 1, 0.0f);
     assert_true(v.level == SMR_VERDICT_LOOK && v.reasons == SMR_REASON_UNCOVERED);
+    for (uint32_t k = 0; k < 4u; k++) { /* more or less of the target covered, bent little or much */
+        v = fair(0.99f, 1.0f);
+        v.target_covered = k < 2u ? 0.8f : 0.66f;
+        v.bend_mm = k % 2u == 0u ? 8.0f : 12.3f;
+        smr_judge(&v, 4.0f, 1, 0.0f);
+        assert_int_equal(k == 3u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
+    }
     for (uint32_t k = 0; k < 2u; k++) { /* four reasons, or five */
         v = fair(0.9f, 1.0f);
         v.rotation_deg = 16.0f;

@@ -91,8 +91,7 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
         if (smr_worker_stops(w, v - first))
             return;
         if (looks && v + 1u < n_active)
-            f->image.calls->ahead(&f->image,
-                                  v + 1u); /* prefetch: reading voxels takes as long as the work on a vertex */
+            f->image.calls->ahead(&f->image, v + 1u); /* reading voxels takes as long as the work on a vertex */
         f->found[v] = smr_sources_goal(f, v, &w->pause, &displacement, &residual);
         if (smr_worker_kept(w, v - first, work))
             return;
