@@ -248,8 +248,7 @@ TEST(test_part)
     }
 }
 
-/* Low coverage alone is no reason for a model that is visible as a whole. Five reasons, or a large expected error, fail
- * a run. A model that meets the whole target may differ as people do. */
+/* Low coverage alone is no reason. Five reasons, or a large expected error, fail a run. Whole targets have wider limits. */
 TEST(test_together)
 {
     smr_verdict v;
@@ -261,16 +260,12 @@ TEST(test_together)
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
         assert_int_equal((k == 0u ? 0u : SMR_REASON_UNCOVERED) | (k % 2u == 0u ? 0u : SMR_REASON_ROTATION), v.reasons);
     }
-    v = fair(0.99f, 1.0f);
-    v.target_covered = 0.3f; /* not the whole of a larger target, but elsewhere */
-    smr_judge(&v, 4.0f, 1, 0.0f);
-    assert_true(v.level == SMR_VERDICT_LOOK && v.reasons == SMR_REASON_UNCOVERED);
-    for (uint32_t k = 0; k < 4u; k++) { /* more or less of the target covered, bent little or much */
+    for (uint32_t k = 0; k < 4u; k++) { /* elsewhere; bent from one body to another; a part of a larger target */
         v = fair(0.99f, 1.0f);
-        v.target_covered = k < 2u ? 0.8f : 0.66f;
+        v.target_covered = k == 0u ? 0.3f : k == 3u ? 0.8f : 0.66f;
         v.bend_mm = k % 2u == 0u ? 8.0f : 12.3f;
         smr_judge(&v, 4.0f, 1, 0.0f);
-        assert_int_equal(k == 3u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
+        assert_int_equal(k < 2u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
     }
     for (uint32_t k = 0; k < 2u; k++) { /* four reasons, or five */
         v = fair(0.9f, 1.0f);
