@@ -248,7 +248,7 @@ TEST(test_part)
     }
 }
 
-/* Low coverage alone is no reason. Five reasons, or a large expected error, fail a run. Whole targets have wider limits. */
+/* Low coverage alone is no reason. Five reasons, or large expected errors, fail. A whole target has wider limits. */
 TEST(test_together)
 {
     smr_verdict v;
