@@ -15,9 +15,13 @@
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/verdict_measures.h"
 
-#define SMR_NOISE_LEAST 0.002f  /* share of the field's variance that is finer than its kernel and counts as noise */
-#define SMR_NOISE_MOST 0.25f    /* largest noise variance / field's variance: a coarse residual is not all noise */
-#define SMR_NOISE_ROUNDS 5u     /* rounds that find size2 with the measured noise */
+#define SMR_NOISE_LEAST 0.002f /* share of the field's variance that is finer than its kernel and counts as noise */
+#define SMR_NOISE_MOST 0.25f   /* largest noise variance / field's variance: a coarse residual is not all noise */
+#define SMR_NOISE_ROUNDS 5u    /* rounds that find size2 with the measured noise */
+#define SMR_IMAGE_ROUNDS 1u    /* the same in a partly shown model: wrong goals would feed back on size2 */
+#define SMR_IMAGE_MOST 4.0f    /* largest squared observation / their mean, which is found in SMR_IMAGE_MEANS rounds */
+#define SMR_IMAGE_MEANS 8u
+#define SMR_IMAGE_SIZE 1.7f     /* size2 / that mean */
 #define SMR_NOISE_SHARE 0.64f   /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.06f   /* variance across / process' variance, at invisible vertices near visible ones */
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */
@@ -95,14 +99,26 @@ void smr_factor_rows(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* Sets size2 to its most likely value, y K^-1 y / n. y: observed displacements. K: covariance of the observations. */
+/* Returns the mean of the squares of values[n], or of smaller ones where a square is more than `most`. */
+static float mean_square(const float *values, uint32_t n, float most)
+{
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < n; i++)
+        sum += smr_min(values[i] * values[i], most) / (float)n;
+    return sum;
+}
+
+/* Sets size2 to its most likely value, y K^-1 y / n. y: observed displacements. K: covariance of the observations. In a
+ * partly shown model a few wrong goals, at the border of the image, would decide it: no square counts for more than a
+ * few times the mean. */
 static void find_size(smr_normal_field *f)
 {
     memcpy(f->open, f->moved, f->n * sizeof *f->open);
     smr_solve_forward(f->lower, f->n, f->open);
-    f->size2 = 0.0f;
-    for (uint32_t i = 0; i < f->n; i++)
-        f->size2 += f->open[i] * f->open[i] / (float)f->n;
+    f->size2 = mean_square(f->open, f->n, SMR_FAR);
+    for (uint32_t k = 0; k < SMR_IMAGE_MEANS && f->image_part; k++)
+        f->size2 = mean_square(f->open, f->n, SMR_IMAGE_MOST * f->size2);
+    f->size2 *= f->image_part ? SMR_IMAGE_SIZE : 1.0f;
     memset(f->open, 0, f->n * sizeof *f->open);
 }
 
@@ -154,13 +170,14 @@ void smr_round_end(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
 {
     smr_judgement *j = job;
     smr_normal_field *f = &j->field;
-    if (f->round > SMR_NOISE_ROUNDS) {
+    const uint32_t rounds = f->image_part ? SMR_IMAGE_ROUNDS : SMR_NOISE_ROUNDS;
+    if (f->round > rounds) {
         end_motion(f);
         return;
     }
     find_size(f);
     j->bend2 = f->round == 0u ? f->size2 : j->bend2;
-    if (f->round++ < SMR_NOISE_ROUNDS) {
+    if (f->round++ < rounds) {
         f->noise = SMR_NOISE_LEAST + (f->noise2 < SMR_NOISE_MOST * f->size2 ? f->noise2 / f->size2 : SMR_NOISE_MOST);
         j->job.head.next_stage = j->job.head.stage - 1u; /* the next factor */
         return;
