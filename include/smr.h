@@ -652,14 +652,14 @@ typedef struct smr_image_config {
      * goal in the image. A vertex is excluded if the image is undecided: no profile, or a search that leaves the image
      * or meets one value only. A structure is excluded if fewer than half of its vertices have a goal. */
     float fill;
-    /* share, [0, 1], default 0. Weight of image goals on structures that also have a closed target surface, whose goals
-     * have weight 1. Beside an open surface or a cloud, image goals have weight 1, target goals a vertex'
-     * visibility. */
+    /* share, [0, 1], default 0. Weight of image goals beside a closed target surface, whose goals weigh 1. Beside an
+     * open surface or a cloud, image goals weigh 1 and target goals a vertex' visibility. */
     float beside;
     float nearer;   /* score per mm, [0, 1], default 0.005. Score lost per mm from the vertex: nearer places win ties */
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
     uint32_t blend; /* SMR_BLEND_..., default confidence. Weights of profile and edge goals: confidence, or 1 (paper) */
     uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 at the end, and in mere noise */
+    uint32_t rest;  /* iterations, [0, 60], default 2. So long a vertex that hardly moves keeps its goal; 0: none */
 } smr_image_config;
 
 /* Returns the defaults for images, whose goals are noisy and far: x^r is set to x less often; more iterations. */
@@ -1264,8 +1264,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_POINTS_BYTES(capacity) ((size_t)1280u + (size_t)28u * (capacity))
 
 /* Bound of smr_arena_bytes(). n_workers, n_target_vertices (0 with attract 0) and method are those of smr_basic_config.
- * The bound exceeds the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure by a
- * quarter at 50 vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
+ * Too large by 6 kB, 1.3 kB for each further structure, and 0.4 %: 2 % at 1,000 vertices, below 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(nv, nt, ns, n_workers, n_target_vertices, method)                                              \
     ((size_t)8704u + ((method) == SMR_METHOD_RIGID ? (size_t)278u : (size_t)314u) * (nv) +                             \
      ((nv) < 190u ? (size_t)64u * (190u - (nv)) : (size_t)0u) + (size_t)(12u + SMR_SWAPPED_BYTES) * (nt) +             \
@@ -1274,8 +1273,8 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
                                 : (size_t)6080u + (size_t)40u * (ns) + (size_t)10u * (n_target_vertices) +             \
                                       (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))
 #define SMR_ARENA_LANDMARKS_BYTES(nv, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (nv))
-#define SMR_ARENA_TRACK_BYTES(nv, ns) /* 12 nv bytes fewer suffice without intensity profiles */                       \
-    ((size_t)1024u + (size_t)24u * (nv) + (size_t)96u * (ns))
+#define SMR_ARENA_IMAGE_BYTES(nv) ((size_t)128u + (size_t)25u * (nv)) /* added by profiles, but for image.rest 0 */
+#define SMR_ARENA_TRACK_BYTES(nv, ns) ((size_t)1024u + (size_t)24u * (nv) + (size_t)96u * (ns))
 #define SMR_ARENA_CONTACT_BYTES(nv, nt, ns) /* added by contact.share or contact.n_fixed */                            \
     ((size_t)4096u + (size_t)100u * (nv) + (size_t)40u * (nt) + (size_t)25u * (ns) + SMR_TREE_BYTES(nt, ns))
 #define SMR_ARENA_VOLUME_BYTES(ns) ((size_t)64u + (size_t)64u * (ns)) /* added by contact.volume */
@@ -1290,6 +1289,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
     ((size_t)1152u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (nv) + (size_t)56u * (ns) +         \
      ((n_target_vertices) > 0u ? (size_t)252u + (size_t)4u * (n_target_vertices) : (size_t)0u) +                       \
      ((n_landmarks) > 0u ? (size_t)4u + (nv) + (size_t)200u * (n_landmarks) : (size_t)0u))
+#define SMR_SAVE_IMAGE_BYTES(nv) ((size_t)25u * (nv))
 #define SMR_SAVE_VOLUME_BYTES(ns) ((size_t)8u * (ns))
 #define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv bytes fewer suffice without profiles */
 #define SMR_SAVE_AHEAD_BYTES(ns) ((size_t)4u + (size_t)96u * (ns))   /* added by track.ahead */

@@ -37,8 +37,8 @@ static void across(const smr_grid *grid, smr_vec along, float most, smr_vec side
     }
     side[0] = smr_cross(side[1], normal);
     for (uint32_t i = 0; i < 2u; i++)
-        side[i] = smr_scale(side[i],
-                            smr_min(1.0f / smr_length(smr_mul(grid->to_index, side[i])), most / smr_length(side[i])));
+        side[i] =
+            smr_scale(side[i], smr_min(1.0f / smr_length(smr_grid_vector(grid, side[i])), most / smr_length(side[i])));
 }
 
 /* Replaces weighted sums value[n], of samples inside the image, by means over neighbours nearer than `reach` samples,

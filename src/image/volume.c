@@ -31,6 +31,7 @@ static uint32_t voxel_bytes(uint32_t type) { return type <= SMR_VOXEL_INT8 ? 1u 
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 {
     uint64_t voxels = 1;
+    float to_index[9];
     if (volume == NULL || volume->voxels == NULL)
         return SMR_E_NULL;
     if (volume->type > SMR_VOXEL_FLOAT || (uintptr_t)volume->voxels % voxel_bytes(volume->type) != 0u)
@@ -46,16 +47,14 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
                         SMR_NOT_UNIT)) /* refuses axes that are no unit vectors, such as axes as long as the spacing */
             return SMR_E_INPUT;
     }
-    if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
+    if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, to_index))
         return SMR_E_INPUT;
-    for (uint32_t i = 0; i < 9u; i++)
-        grid->to_index[i] /= volume->spacing[i / 3u];
     memset(grid->column, 0, sizeof grid->column);
     grid->low[3] = grid->high[3] = 0.0f;
     for (uint32_t a = 0; a < 3u; a++) {
         const uint32_t size = volume->size[a];
         for (uint32_t k = 0; k < 3u; k++)
-            grid->column[k][a] = grid->to_index[3u * a + k];
+            grid->column[k][a] = to_index[3u * a + k] / volume->spacing[a];
         grid->low[a] = size == 1u ? -0.5f : 0.0f;
         grid->high[a] = size == 1u ? 0.5f : (float)(int32_t)(size - 1u);
         grid->last[a] = size == 1u ? 0 : (int32_t)size - 2;

@@ -8,11 +8,19 @@
 /* A validated image volume and the map from world to index coordinates. */
 typedef struct smr_grid {
     smr_volume volume;
-    float to_index[9];     /* row-major: index coordinates = to_index (world - origin) */
-    float column[3][4];    /* columns of to_index, and a 0 that makes them vectors of four */
+    /* columns of the matrix of index coordinates = matrix (world - origin), and a 0 that makes them vectors of four */
+    float column[3][4];
     float low[4], high[4]; /* lowest and highest index coordinate of a sample inside, along each axis */
     int32_t last[3];       /* largest index of the lower voxel of a sample, along each axis */
 } smr_grid;
+
+/* Returns a vector, world mm, in index coordinates. */
+static inline smr_vec smr_grid_vector(const smr_grid *grid, smr_vec d)
+{
+    const float(*const c)[4] = grid->column;
+    return smr_v(c[0][0] * d.x + c[1][0] * d.y + c[2][0] * d.z, c[0][1] * d.x + c[1][1] * d.y + c[2][1] * d.z,
+                 c[0][2] * d.x + c[1][2] * d.y + c[2][2] * d.z);
+}
 
 /* Checks everything but the voxels' values, and fills *grid. Errors: E_NULL, E_INPUT. */
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid);

@@ -142,6 +142,7 @@ TEST(test_every_field)
     REFUSE_FLOAT(basic.attraction, 1.001f);
     REFUSE_FLOAT(basic.slide, 1.001f);
     REFUSE_FLOAT(image.sideways, 1.001f);
+    REFUSE(image.rest, 61, UINT32_MAX);
     REFUSE_FLOAT(basic.even, 1.001f);
     REFUSE_FLOAT(basic.search_mm, 0.0f, SMR_COORD_MAX * 1.001f);
     REFUSE_FLOAT(forces.search_radii, 0.0f, 1.1e6f);

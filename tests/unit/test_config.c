@@ -78,6 +78,7 @@ TEST(test_limits)
     REFUSE(motion.settle_um, nextafterf(0.0f, -1.0f));
     LIMITS(motion.plastic_every, 0, 1000, UINT32_MAX, 1001);
     LIMITS(motion.strain_most, 0.0f, 1000.0f, -0.1f, 1001.0f);
+    LIMITS(image.rest, 0, 60, UINT32_MAX, 61);
     LIMITS(motion.fold_guard, 0, 1, UINT32_MAX, 2);
     LIMITS(motion.normals, SMR_NORMALS_CARRIED, SMR_NORMALS_EXACT, UINT32_MAX, SMR_NORMALS_EXACT + 1u);
     LIMITS(basic.active_share, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));

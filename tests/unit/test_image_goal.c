@@ -138,6 +138,35 @@ TEST(test_structure_report)
     assert_true(rejected > 0u && r.n_forces > 0u && part.residual_mean_mm > 0.0f);
 }
 
+/* The model rests in its place when its image turns to one brightness. Vertices keep their goals for image.rest
+ * iterations, but search at once in an image that is set. */
+TEST(test_rest)
+{
+    const uint32_t n = RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE;
+    for (uint32_t row = 0; row < 6u; row++) {
+        const uint32_t rest = row % 3u, again = row / 3u;
+        const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+        smr_volume image = reference;
+        smr_config c = smr_config_default_image();
+        c.image.rest = rest;
+        smr *s = rig_init(rig_ball_model(&reference), &c, NULL);
+        float *voxels = rig_alloc(n * sizeof *voxels);
+        memcpy(voxels, reference.voxels, n * sizeof *voxels);
+        image.voxels = voxels;
+        assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+        const uint32_t before = rig_run(s, 1).n_forces;
+        assert_true(before > 0u);
+        memset(voxels, 0, n * sizeof *voxels);
+        if (again)
+            assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+        for (uint32_t k = 1; k <= 3u; k++) {
+            const uint32_t goals = rig_run(s, 1).n_forces;
+            if ((k <= rest && !again) ? goals < before / 8u : goals > 0u)
+                fail_msg("row %u: %u of %u goals in iteration %u", row, goals, before, k);
+        }
+    }
+}
+
 /* A surface that says 29 mm and an image that says 31: the image counts as far as it may. */
 TEST(test_beside_a_surface)
 {

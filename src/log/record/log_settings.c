@@ -30,7 +30,7 @@ static const log_row rows[] = {
 static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21, 23,
                                   24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31, 32, 33,
                                   35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56, 57, 58, 59,
-                                  75, 69, 70, 71, 72, 73, 76, 66, 67, 68, 51, 52, 53, 77, 54, 78};
+                                  75, 69, 70, 71, 72, 73, 76, 66, 67, 68, 51, 52, 53, 77, 54, 78, 74};
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
@@ -90,7 +90,8 @@ static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config)
 {
     *config = smr_config_default();
-    config->motion.settle_share = config->motion.strain_most = 0.0f; /* older logs have neither */
+    config->motion.settle_share = config->motion.strain_most = 0.0f; /* older logs have none of the three */
+    config->image.rest = 0;
     if (version < SMR_LOG_COVERAGE)
         config->partial.coverage = SMR_COVERAGE_WHOLE;
     if (version == 2u || version == SMR_LOG_VERSION)

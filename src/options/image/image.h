@@ -66,6 +66,8 @@ typedef struct smr_image_goals {
     uint8_t *contrast_next;         /* [n] contrast numbers, as in `contrast`, of the current forces */
     uint8_t *brighter;              /* [n] (image minus profile brightness at each goal) / noise + SMR_BRIGHTER_NONE */
     uint8_t *brighter_next;         /* [n] brightness numbers, as in `brighter`, of the current forces */
+    uint8_t *searched;              /* [n] iteration, modulo 256, in which the search last found each vertex' goal */
+    float *last;                    /* [n][2][3] each vertex' position and displacement in that search, mm */
 } smr_image_goals;
 
 /* Returns 1 when structures without a target surface follow an image. */

@@ -15,7 +15,14 @@
 #define SMR_NOISY 1.0f       /* noise of the image / mean noise level of structures above which samples are averaged */
 #define SMR_NOISY_EDGE 2.0f  /* the same ratio, from which on the confidence of edges falls, down to a half */
 #define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */
+#define SMR_REST 0.2f        /* largest motion since the last search of a vertex that rests / step of profiles */
 #define SMR_SIDE_SHARE 0.25f /* largest shift / search distance of profiles; the larger largest shift holds */
+
+/* Returns 1 when vertices may keep the goals of earlier searches. */
+static int rests_used(const smr_shared *shared)
+{
+    return shared->config.image.rest > 0u && shared->model->profile_samples != 0u;
+}
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
@@ -25,6 +32,9 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
     g->contrast_next = smr_slot_scratch(a, g->contrast_next, n, 1);
     g->brighter = smr_slot_bytes(a, g->brighter, n, UINT8_MAX);
     g->brighter_next = smr_slot_scratch(a, g->brighter_next, n, 1);
+    const uint32_t n_rest = rests_used(shared) ? n : 0u;
+    g->searched = smr_slot_bytes(a, g->searched, n_rest, UINT8_MAX);
+    g->last = smr_slot_floats(a, g->last, 6u * (size_t)n_rest, 2.0f * SMR_KEPT_MM);
     smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
     /* only idle and matched are saved; the next iteration or smr_image_goals_derive() recomputes the others */
     for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++) {
@@ -40,6 +50,10 @@ void smr_image_goals_reset(smr_image_goals *g, uint32_t part, uint32_t parts)
     for (uint32_t v = p.first; v < p.last && g->shared->model->profile_samples != 0u; v++) {
         g->contrast[v] = g->contrast_next[v] = 0;
         g->brighter[v] = g->brighter_next[v] = SMR_BRIGHTER_NONE;
+    }
+    if (rests_used(g->shared)) {
+        memset(g->searched + p.first, 0, p.last - p.first);
+        memset(g->last + 6u * (size_t)p.first, 0, 6u * (size_t)(p.last - p.first) * sizeof *g->last);
     }
     for (uint32_t k = 0; k < g->shared->n_structures; k++)
         g->structure[k].idle = 0;
@@ -191,8 +205,23 @@ int smr_image_shows(const smr_image_goals *g, uint32_t v)
     return r.range > 0.0f && smr_grid_line(&g->grid, first, step, r.n, line, inside) == r.n;
 }
 
+/* Returns 1 when v has hardly moved since its last search, at most image.rest iterations ago, which found a goal. */
+static int rests(const smr_image_goals *g, uint32_t v)
+{
+    const uint32_t rest = g->shared->config.image.rest;
+    if (rest == 0u || g->contrast[v] == 0u || !smr_image_seeks(g, smr_model_owner(g->shared->model, v)))
+        return 0;
+    const uint32_t age = (g->schedule->iteration - g->searched[v]) & UINT8_MAX;
+    const smr_vec moved = smr_sub(smr_get3(g->shape->x, v), smr_get3(g->last, 2u * v));
+    const float far = SMR_REST * smr_le_float(g->shared->model->profile_step);
+    return age > 0u && age <= rest && smr_dot(moved, moved) <= far * far;
+}
+
+/* Prefetches the voxels that the search of v reads, if it searches. */
 static void ahead(const smr_image_goals *g, uint32_t v)
 {
+    if (rests(g, v))
+        return;
     const float profile_mm = sought_mm(g, v);
     const reference_profile r = reference_shape(g, v, profile_mm);
     const search_line l = line_of(g, v, &r, profile_mm);
@@ -284,7 +313,8 @@ static int hidden(smr_image_goals *g, uint32_t v)
     return SMR_INVISIBLE;
 }
 
-static int image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
+/* Searches the image for the goal of v, as smr_image_calls.goal says. */
+static int search(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_config *const c = &g->shared->config;
     const float profile_mm = sought_mm(g, v);
@@ -330,6 +360,26 @@ static int image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
         *displacement = smr_add(*displacement, tangential_displacement(g, v, &l, &sample));
     }
     return SMR_GOAL;
+}
+
+/* A vertex that rests has the goal of its last search, less its own motion since then along its normal: a motion along
+ * the surface would hardly change the tangential displacement, of which each search finds a part. */
+static int image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
+{
+    const smr_vec x = smr_get3(g->shape->x, v), normal = smr_get3(g->shape->normal, v);
+    if (rests(g, v)) {
+        const smr_vec moved = smr_sub(x, smr_get3(g->last, 2u * v));
+        smr_image_keep(g, v);
+        *displacement = smr_sub(smr_get3(g->last, 2u * v + 1u), smr_scale(normal, smr_dot(normal, moved)));
+        return SMR_GOAL;
+    }
+    const int found = search(g, v, displacement);
+    if (g->shared->config.image.rest == 0u || found != SMR_GOAL)
+        return found;
+    g->searched[v] = (uint8_t)(g->schedule->iteration & UINT8_MAX);
+    smr_put3(g->last, 2u * v, x);
+    smr_put3(g->last, 2u * v + 1u, *displacement);
+    return found;
 }
 
 void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)

@@ -45,7 +45,7 @@ smr_config smr_config_paper(void)
     c->image.confidence = c->image.sideways = c->image.fill = c->image.nearer = 0.0f;
     c->image.edge = SMR_EDGE_STEEPEST;
     c->image.blend = SMR_BLEND_PLAIN;
-    c->image.fade = 0;
+    c->image.fade = c->image.rest = 0;
     /* the paper's 2.3, evolution: x = x~; section 3, plasticity: x^r is set to x only at rest */
     c->motion.relaxation = 1.0f;
     c->motion.momentum = c->motion.momentum_last = 0.0f;
