@@ -1,7 +1,8 @@
 /* test_equal_bits.c: what holds for any registration to the last bit: nothing moves without a target, and neither
- * threads nor schedulers matter.
+ * threads, schedulers nor what searches remember matter.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
+#include "registration/registration.h"
 #include "smr_pthread.h"
 
 /* About 900 vertices. */
@@ -70,5 +71,37 @@ TEST(test_workers_and_schedulers)
                 assert_true(hash_with(model, surface, method, &port) == expected);
             }
         }
+    }
+}
+
+/* What searches remember of other triangles saves work and nothing else: a bone that comes to rest beside a ball that
+ * moves on, with and without it. */
+TEST(test_certainties)
+{
+    static const float there[3] = {150.0f, 20.0f, 0.0f}, moved[3] = {158.0f, 26.0f, 3.0f};
+    smr_mesh mesh[2], target;
+    rig_bone(CELL, 1.0f, &mesh[0], &target);
+    mesh[1] = rig_ball(20.0f, 9, 12, there);
+    const smr_mesh ball = rig_ball(21.0f, 8, 13, moved);
+    const smr_prepare_config radii = rig_radii(2, 60.0f, 15.0f, 0);
+    const smr_model *model = rig_model(mesh, 2, &radii);
+    const smr_surface *surface[2] = {rig_surface(&target), rig_surface(&ball)};
+    smr_config config = smr_config_default();
+    smr *s[2];
+    config.basic.n_workers = 2;
+    config.basic.n_target_vertices = target.n_vertices + ball.n_vertices;
+    for (uint32_t k = 0; k < 2u; k++) {
+        const smr_port port = rig_port(RIG_SHUFFLE, 2);
+        s[k] = rig_init(model, &config, &port);
+        for (uint32_t i = 0; i < 2u; i++)
+            assert_int_equal(SMR_OK, smr_set_surface(s[k], i, surface[i]));
+    }
+    for (uint32_t tick = 0; tick < 150u; tick++) {
+        smr_certainties_clear(&s[1]->forces.surface);
+        smr_guard_close(s[1]);
+        (void)rig_run(s[0], 1);
+        (void)rig_run(s[1], 1);
+        if (smr_state_hash(s[0]) != smr_state_hash(s[1]))
+            fail_msg("other bits in iteration %u", tick);
     }
 }

@@ -7,6 +7,8 @@
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 {
     e->tangent_smooth.limited = smr_slot_bytes(a, e->tangent_smooth.limited, shared->n, UINT8_MAX);
+    if (smr_target_slots(shared) > 0u)
+        e->most2 = smr_slot_scratch(a, e->most2, shared->config.basic.n_workers * shared->n_structures, sizeof(float));
     smr_keep_floats(a, &e->moved_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
 }
 
@@ -14,6 +16,8 @@ void smr_evolve_reset(smr_evolve *e, uint32_t part, uint32_t parts)
 {
     const smr_piece p = smr_part(e->shared->n, part, parts);
     memset(e->tangent_smooth.limited + p.first, 0, p.last - p.first);
+    if (e->most2 != NULL)
+        memset(e->most2, 0, e->shared->config.basic.n_workers * e->shared->n_structures * sizeof *e->most2);
 }
 
 /* Returns the displacement of ref by the average of the clusters' transforms, mm; rotates *normal. w: vertex' sum. */
@@ -67,7 +71,16 @@ uint64_t smr_hash_positions(const float *xyz, uint32_t n)
     return hash;
 }
 
-void smr_evolve_measure(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Raises the worker's largest squared displacement of v's structure. */
+static void note_moved(const smr_evolve *e, uint32_t v, uint32_t worker, float moved2)
+{
+    const uint32_t n = e->shared->n_structures;
+    float *const most2 = e->most2 + worker * n + (n > 1u ? smr_model_owner(e->shared->model, v) : 0u);
+    if (!(moved2 <= *most2)) /* also where moved2 is NaN */
+        *most2 = moved2;
+}
+
+void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
 {
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
@@ -77,6 +90,8 @@ void smr_evolve_measure(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec moved = smr_sub(smr_get3(x_next, v), smr_get3(x, v));
         moved2 = smr_max(moved2, smr_dot(moved, moved));
+        if (e->most2 != NULL)
+            note_moved(e, v, worker, smr_dot(moved, moved));
         sum += SMR_SQRT(smr_dot(moved, moved));
         hash += hash_point(v, smr_at3(x_next, v));
     }

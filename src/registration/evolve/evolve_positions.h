@@ -25,6 +25,7 @@ typedef struct smr_evolve {
     const smr_sums *sums;
     smr_tangent_smooth tangent_smooth;
     smr_tally *tally;
+    float *most2;         /* [n_workers][n_structures] largest squared displacement, mm^2; NULL: nothing attracts */
     float moved_mm;       /* largest displacement of the current iteration, mm */
     float mean_mm;        /* mean displacement of the current iteration, mm */
     uint64_t hash;        /* hash of the positions x_next */

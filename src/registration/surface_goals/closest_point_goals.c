@@ -76,17 +76,35 @@ static void clear_certainties(smr_surface_goals *g, uint32_t k, uint32_t parts)
     memset(g->other + p.first, 0, (p.last - p.first) * sizeof *g->other);
     if (g->target_other != NULL)
         memset(g->target_other + t.first, 0, (t.last - t.first) * sizeof *g->target_other);
-    g->path = g->moved = 0.0f;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].path = g->target[i].moved = 0.0f;
 }
 
 void smr_certainties_clear(smr_surface_goals *g) { clear_certainties(g, 0, 1); }
 
-void smr_certainties_age(smr_surface_goals *g, float moved)
+/* Discards what the target vertices of a structure know of other triangles. */
+static void clear_pulling(smr_surface_goals *g, uint32_t structure)
 {
-    g->moved = moved;
-    g->path += SMR_FARTHER * moved + SMR_PATH_LEAST;
-    if (!(g->path < SMR_PATH_MOST))
-        smr_certainties_clear(g);
+    g->target[structure].path = 0.0f;
+    for (uint32_t k = 0; k < g->n_goals && g->target_other != NULL; k++)
+        if (g->goal[k].structure == structure)
+            memset(g->target_other + g->goal[k].first_warm, 0, g->goal[k].n_vertices * sizeof *g->target_other);
+}
+
+void smr_certainties_age(smr_surface_goals *g, float *most2)
+{
+    const uint32_t n = g->shared->n_structures;
+    for (uint32_t i = 0; i < n && most2 != NULL; i++) {
+        float moved2 = 0.0f;
+        for (uint32_t k = i; k < n * g->shared->config.basic.n_workers; k += n) {
+            moved2 = most2[k] <= moved2 ? moved2 : most2[k];
+            most2[k] = 0.0f;
+        }
+        g->target[i].moved = SMR_SQRT(moved2);
+        g->target[i].path += SMR_FARTHER * g->target[i].moved + SMR_PATH_LEAST;
+        if (!(g->target[i].path < SMR_PATH_MOST))
+            clear_pulling(g, i);
+    }
 }
 
 static void clear_target_warm(smr_surface_goals *g, uint32_t k, uint32_t parts)

@@ -27,7 +27,9 @@ typedef struct smr_target {
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
     uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
-    smr_vec view;                 /* cloud: mean normal of the model's visible places; 0: unknown */
+    float path;   /* mm: sum of each iteration's largest displacement of the structure since smr_certainties_clear() */
+    float moved;  /* mm: largest displacement of the structure in the last iteration */
+    smr_vec view; /* cloud: mean normal of the model's visible places; 0: unknown */
 } smr_target;
 
 /* A distinct target surface. Several structures may share one. */
@@ -79,9 +81,8 @@ typedef struct smr_surface_goals {
     uint32_t *warm;      /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next; /* [n] closest target triangle of each vertex in the current forces, which may restart */
     uint16_t *other;     /* [n] smr_other_unit(): least distance of all target triangles but warm_next[v]; 0: unknown */
-    float *target_other; /* [n_target_vertices] mm: distance of all but the closest model triangle, plus `path` then */
-    float path;          /* mm: sum of each iteration's largest displacement since smr_certainties_clear() */
-    float moved;         /* mm: largest displacement of the last iteration */
+    /* [n_target_vertices] mm: distance of all but the closest model triangle, plus the structure's `path` then */
+    float *target_other;
     uint32_t *target_warm; /* [n_target_vertices] closest model triangle of each target vertex; NULL: no attraction */
     uint16_t *target_residual; /* [n_target_vertices] distance to the model, logarithmic (outlier_weights.c) */
     uint64_t *histogram;       /* [SMR_RESIDUALS] area of the target vertices whose residuals lie in each bin */
@@ -100,8 +101,9 @@ void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32_t parts);
 void smr_surface_goals_commit(smr_surface_goals *g); /* stores the results of complete forces for the next forces */
 void smr_pulls_clear(smr_surface_goals *g);          /* sets all pulls of target vertices to 0 */
 void smr_certainties_clear(smr_surface_goals *g);    /* discards what searches know of other triangles */
-void smr_certainties_age(smr_surface_goals *g,
-                         float moved);            /* adds an iteration's largest displacement, mm, to `path` */
+/* Adds an iteration's largest displacements to each structure's `path`. most2: [n_workers][n_structures] squares, which
+ * are set to 0; NULL: nothing attracts. */
+void smr_certainties_age(smr_surface_goals *g, float *most2);
 void smr_target_warm_clear(smr_surface_goals *g); /* discards the closest model triangles of target vertices */
 /* Checks that no target has changed since it was set. Errors: E_STATE; E_DAMAGED (a fault in a header). */
 smr_status smr_targets_valid(const smr_surface_goals *g);

@@ -109,14 +109,15 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, smr
         w->task.pull.found = SMR_NONE;
         w->task.pull.hit = (smr_hit){g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     }
-    smr_certainty known = smr_known(g, g->target_other[slot] - g->path, g->moved, SMR_LEARN_PULL, &w->pause);
+    const smr_target *target = &g->target[goal->structure]; /* where structures share it, nothing is ever known */
+    smr_certainty known = smr_known(g, g->target_other[slot] - target->path, target->moved, SMR_LEARN_PULL, &w->pause);
     g->target_other[slot] = 0.0f; /* a search that is continued does not need the old value */
     if (!closest_structure(g, surface, &q, g->target_warm[slot], w, &known) || w->task.pull.found == SMR_NONE)
         return;
     const smr_hit *hit = &w->task.pull.hit;
     const smr_near_list *near = &w->task.pull.near;
     const smr_shape_structure *one = &g->shape->structure[w->task.pull.found];
-    g->target_other[slot] = known.other_mm + g->path - SMR_KEY_ROUNDED;
+    g->target_other[slot] = known.other_mm + target->path - SMR_KEY_ROUNDED;
     g->target_warm[slot] = one->first_triangle + hit->triangle;
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit->triangle, hit->weight));
     const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
