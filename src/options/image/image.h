@@ -44,6 +44,7 @@ typedef struct smr_image_calls {
      * distance is below a sample; SMR_INVISIBLE: no goal, and the image does not show the vertex. Stores contrast and
      * brightness at the goal. */
     int (*goal)(struct smr_image_goals *g, uint32_t v, smr_vec *displacement);
+    int (*rests)(const struct smr_image_goals *g, uint32_t v);    /* 1: v keeps its last goal instead of searching */
     void (*ahead)(const struct smr_image_goals *g, uint32_t v);   /* prefetches voxels that v's search reads */
     smr_run_task *fill_sum;                                       /* runs a task of smr_fill_sum() */
     smr_vec (*fill)(const struct smr_image_goals *g, uint32_t v); /* returns smoothing of a goalless vertex, mm */

@@ -384,7 +384,7 @@ static int image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 
 void smr_image_goals_see(smr_image_goals *g, const smr_grid *image)
 {
-    static const smr_image_calls all = {image_goal, ahead, smr_fill_structure, smr_fill_displacement};
+    static const smr_image_calls all = {image_goal, rests, ahead, smr_fill_structure, smr_fill_displacement};
     g->calls = &all;
     g->grid = *image;
     g->noise = smr_grid_noise(image);

@@ -88,12 +88,13 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = first + w->at; v < last; v++) {
         smr_vec displacement;
         float residual = SMR_FAR;
+        const uint32_t done = looks && f->image.calls->rests(&f->image, v) ? work - SMR_WORK_IMAGE : work;
         if (smr_worker_stops(w, v - first))
             return;
         if (looks && v + 1u < n_active)
             f->image.calls->ahead(&f->image, v + 1u); /* reading voxels takes as long as the work on a vertex */
         f->found[v] = smr_sources_goal(f, v, &w->pause, &displacement, &residual);
-        if (smr_worker_kept(w, v - first, work))
+        if (smr_worker_kept(w, v - first, done))
             return;
         smr_put3(f->force, v, displacement);
         if (f->found[v] == SMR_FOUND_GOAL) /* distance to the target mesh, or else to the goal */

@@ -58,11 +58,12 @@ static float blend(const smr_time_budget *c, float rate, float sample, float uni
     return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
 }
 
-/* Learns the time of an instruction of work, from cluster sums of most vertices, whose work is counted closely. The
- * counted work of others is far too large for some tasks, which would make the next stretches too long. */
-static void learn_pace(smr_time_budget *c, float ns)
+/* Learns the time of an instruction of work from cluster sums, whose work is counted closely, but as if all vertices
+ * were active: most, members / active vertices, is how much less there may have been. The counted work of other steps
+ * is far too large for some tasks, which would make the next stretches too long. */
+static void learn_pace(smr_time_budget *c, float ns, float most)
 {
-    const float sample = ns / (float)c->work;
+    const float sample = most * ns / (float)c->work;
     if (c->pace < 0.0f)
         c->pace = sample;
     else
@@ -73,10 +74,9 @@ void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns)
 {
     smr_time_budget *c = &s->budget;
     const uint64_t most = budget_ns > SMR_STRETCH_NS ? budget_ns : SMR_STRETCH_NS;
-    const int close =
-        smr_steps[s->step].work == SMR_WORK_LISTS && 2u * s->schedule.n_active >= s->schedule.lists.members;
-    if (c->work >= SMR_WORK_MOST / 4u && close)
-        learn_pace(c, (float)ns);
+    const float active = (float)smr_max_u32(s->schedule.n_active, 1u), members = (float)s->schedule.lists.members;
+    if (c->work >= SMR_WORK_MOST / 4u && smr_steps[s->step].work == SMR_WORK_LISTS)
+        learn_pace(c, (float)ns, smr_max(members / active, 1.0f));
     c->work = 0;
     c->spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - c->spent));
 }
