@@ -200,8 +200,6 @@ uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
     return touched;
 }
 
-#define SMR_TOGETHER 31u /* number of words whose bits, 8 a word, can be counted in one byte: at most 255 */
-
 /* Returns, in each byte, the number of bits set in that byte of x. The function has no branch. */
 static uint64_t bits_per_byte(uint64_t x)
 {
@@ -218,20 +216,47 @@ uint32_t smr_row_count(const uint64_t *row, uint32_t words)
     return count;
 }
 
+#define SMR_ADDED 7u /* words that full adders make one word of ones, one of twos and one of fours of */
+#define SMR_LANES 4u /* words side by side: a byte of their sum holds SMR_LANES * SMR_ADDED * 8 bits = 224 at most */
+
+/* Returns the number of bits in which SMR_LANES * SMR_ADDED words differ, as a sum in each byte (W. J. Harley and
+ * R. Seal, in Warren, "Hacker's Delight", 2012). */
+static inline uint64_t differing(const uint64_t *a, const uint64_t *b)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < SMR_LANES; i++) {
+        uint64_t one = a[i] ^ b[i], carry[3];
+        for (uint32_t k = 0; k < 3u; k++) {
+            const uint32_t at = i + (2u * k + 1u) * SMR_LANES;
+            const uint64_t x = a[at] ^ b[at], y = a[at + SMR_LANES] ^ b[at + SMR_LANES], odd = one ^ x;
+            carry[k] = (one & x) | (odd & y);
+            one = odd ^ y;
+        }
+        const uint64_t odd = carry[0] ^ carry[1], four = (carry[0] & carry[1]) | (odd & carry[2]);
+        bytes += bits_per_byte(one) + (bits_per_byte(odd ^ carry[2]) << 1) + (bits_per_byte(four) << 2);
+    }
+    return bytes;
+}
+
+static uint32_t sum_of_bytes(uint64_t bytes)
+{
+    bytes = (bytes & 0x00ff00ff00ff00ffu) + (bytes >> 8 & 0x00ff00ff00ff00ffu);
+    return (uint32_t)((bytes * 0x0001000100010001u) >> 48);
+}
+
 uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t words)
 {
     const uint32_t last = smr_max_u32(smr_row_last(a, words), smr_row_last(b, words));
-    uint32_t count = 0;
-    for (uint32_t w = smr_min_u32(smr_row_first(a, words), smr_row_first(b, words)), end; w < last; w = end) {
-        uint64_t bytes = 0;
-        end = smr_min_u32(w + SMR_TOGETHER, last);
-        for (size_t i = w; i < end; i++)
-            bytes += bits_per_byte(a[i] ^ b[i]);
-        bytes = (bytes & 0x00ff00ff00ff00ffu) + (bytes >> 8 & 0x00ff00ff00ff00ffu);
-        count += (uint32_t)((bytes * 0x0001000100010001u) >> 48);
-    }
-    return count;
+    uint32_t count = 0, w = smr_min_u32(smr_row_first(a, words), smr_row_first(b, words));
+    for (; w + SMR_LANES * SMR_ADDED <= last; w += SMR_LANES * SMR_ADDED)
+        count += sum_of_bytes(differing(a + w, b + w));
+    uint64_t bytes = 0;
+    for (; w < last; w++)
+        bytes += bits_per_byte(a[w] ^ b[w]);
+    return count + sum_of_bytes(bytes);
 }
+
+#define SMR_NODE_FULL 255u /* all children of a node, a bit each */
 
 /* The n <= k vertices found so far that are nearest to a given vertex, the nearest first. */
 typedef struct candidates {
@@ -268,19 +293,20 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
         const smr_visit at = stack[--top];
         if (too_far(&best, at.d2))
             continue;
-        (void)smr_box_distances(&p->points.node[p->points.level[at.level] + at.index], centre, FLT_MAX, d2);
-        for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
-            /* the child that holds v is pushed last and opened first: small distances are found early */
-            const uint32_t child =
-                at.index * SMR_TREE_WIDTH + (at.level > 0u ? (c + 1u + (v >> (3u * at.level))) % SMR_TREE_WIDTH : c);
-            const float child2 = d2[child % SMR_TREE_WIDTH];
+        const uint32_t near = smr_box_distances(&p->points.node[p->points.level[at.level] + at.index], centre,
+                                                best.n == k ? best.d2[k - 1u] : FLT_MAX, d2);
+        /* the child that holds v is pushed last and opened first: small distances are found early */
+        const uint32_t turn = at.level > 0u ? (1u + (v >> (3u * at.level))) % SMR_TREE_WIDTH : 0u;
+        for (uint32_t rest = (near | near << SMR_TREE_WIDTH) >> turn & SMR_NODE_FULL; rest != 0u; rest &= rest - 1u) {
+            const uint32_t c = ((uint32_t)__builtin_ctz(rest) + turn) % SMR_TREE_WIDTH;
+            const uint32_t child = at.index * SMR_TREE_WIDTH + c;
             const uint64_t from = (uint64_t)child << (3u * at.level), to = (uint64_t)(child + 1u) << (3u * at.level);
-            if (from >= last || to <= first || from >= p->n || too_far(&best, child2))
+            if (from >= last || to <= first || from >= p->n || too_far(&best, d2[c]))
                 continue;
             if (at.level > 0u)
-                stack[top++] = (smr_visit){child2, at.level - 1u, child};
+                stack[top++] = (smr_visit){d2[c], at.level - 1u, child};
             else if (child != v && !smr_kept_apart(p, child, v))
-                insert(&best, child, child2);
+                insert(&best, child, d2[c]);
         }
     }
     if (distance2 != NULL)

@@ -4,11 +4,16 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-void smr_put16(smr_writer *w, size_t at, uint32_t value)
+static inline void put_half(unsigned char *to, uint32_t value)
 {
     const uint16_t stored = smr_le16((uint16_t)value);
-    if (w->model != NULL && at + sizeof stored <= w->capacity)
-        memcpy(w->model + at, &stored, sizeof stored);
+    memcpy(to, &stored, sizeof stored);
+}
+
+void smr_put16(smr_writer *w, size_t at, uint32_t value)
+{
+    if (w->model != NULL && at + 2u <= w->capacity)
+        put_half(w->model + at, value);
 }
 
 void smr_put32(smr_writer *w, size_t at, uint32_t value)
@@ -65,9 +70,14 @@ static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *
     }
     for (uint32_t level = 1; level < p->n_levels; level++)
         to[level] += to[level - 1u];
+    const size_t first = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
+    const int usual = l->index_bytes == 2u && first + 2u * (size_t)n <= l->w->capacity;
     for (uint32_t i = 0; i < n; i++) {
-        const uint32_t v = p->member[i], at = l->n_indexes + to[p->level[v]]++;
-        put_index(l, l->at_indexes + (size_t)at * l->index_bytes, p->stored[v]);
+        const uint32_t v = p->member[i], at = to[p->level[v]]++;
+        if (usual)
+            put_half(l->w->model + first + 2u * (size_t)at, p->stored[v]);
+        else
+            put_index(l, first + (size_t)at * l->index_bytes, p->stored[v]);
     }
     l->n_indexes += n;
     return n;
