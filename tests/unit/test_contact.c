@@ -72,6 +72,44 @@ TEST(test_closed)
     assert_true(smr_mesh_edges(turned, ball.n_triangles) != 0u);
 }
 
+/* Lines between two others cross a surface within their extent; a line found as far as `most` has all crossings up to
+ * there, in order, and leaves the ball as often as it enters. */
+TEST(test_lines)
+{
+    static const float away[3] = {31.25f, -7.5f, 3.0f};
+    const smr_mesh ball = rig_ball(20, 24, 40, away);
+    const smr_surface *s = rig_surface(&ball);
+    const smr_vec shift = smr_v(0.7f, -0.3f, 5.1f);
+    uint32_t seed = 3, crossed = 0;
+    for (uint32_t i = 0; i < 3000u; i++) {
+        float p[3], most[3];
+        rig_within(&seed, -22, 22, p);
+        rig_within(&seed, -22, 22, most);
+        const smr_ray low = {(i + 1u) % 3u, (i + 2u) % 3u, i % 3u, p[0], p[1]};
+        const smr_ray high = {low.u, low.v, low.w, p[0] + 0.1f * (float)(i % 40u), p[1] + 0.05f * (float)(i % 7u)};
+        const smr_extent extent = smr_lines_extent(s, &low, &high, shift);
+        smr_line all = {.ray = low}, part;
+        all.ray.pu += 0.6f * (high.pu - low.pu);
+        all.ray.pv += 0.3f * (high.pv - low.pv);
+        part = all;
+        smr_line_cross(s, &all, shift, SMR_FAR, 1);
+        smr_line_cross(s, &part, shift, most[2], 1);
+        int in = 0;
+        crossed += all.n;
+        for (uint32_t k = 0; k < all.n; k++) {
+            assert_true(all.list[k].at >= extent.lo && all.list[k].at <= extent.hi);
+            in += all.list[k].turn;
+            assert_true(in == 0 || in == 1);
+            assert_true(all.list[k].at > most[2] || (part.n > k && part.list[k].at == all.list[k].at));
+        }
+        assert_int_equal(0, in);
+        const float from = smr_length(smr_sub(smr_add(smr_load(p), s->origin), smr_load(away)));
+        if (from < 19.0f || from > 20.01f)
+            assert_int_equal(from < 19.0f, smr_surface_inside(s, smr_load(p)));
+    }
+    assert_true(crossed > 2000u && crossed < 5000u);
+}
+
 static void measures(const smr_mesh *a, const smr_mesh *b, float deepest, float volume, float area)
 {
     smr_contact_report one, other;

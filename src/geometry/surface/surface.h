@@ -136,16 +136,29 @@ typedef struct smr_crossing {
     int turn; /* 1: into surface a; -1: out of a; 2: into b; -2: out of b */
 } smr_crossing;
 
+/* A line along an axis. */
+typedef struct smr_ray {
+    uint32_t u, v, w; /* the two axes across the line, and the axis along it */
+    float pu, pv;     /* coordinates of the line on the axes u and v, mm */
+} smr_ray;
+
 typedef struct smr_line {
-    uint32_t u, v, w;                      /* the two axes across the line, and the axis along it */
-    float pu, pv;                          /* coordinates of the line on the axes u and v, mm */
+    smr_ray ray;
     uint32_t n;                            /* number of crossings found */
     smr_crossing list[2u * SMR_CROSSINGS]; /* [n] crossings, ascending */
 } smr_line;
 
+/* A part of an axis, mm; lo > hi: nothing. */
+typedef struct smr_extent {
+    float lo, hi;
+} smr_extent;
+
 static inline float smr_axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis == 1u ? p.y : p.z; }
-/* Adds all crossings of the line with surface s, moved by `shift`, mm, to the line's list. weight: 1 for a, 2 for b. */
-void smr_line_cross(const smr_surface *s, smr_line *l, smr_vec shift, int weight);
+/* Adds crossings of the line with surface s, moved by `shift`, mm, to the line's list: all up to `most`, mm, and maybe
+ * others. weight: 1 for a, 2 for b. */
+void smr_line_cross(const smr_surface *s, smr_line *l, smr_vec shift, float most, int weight);
+/* Returns an extent around all crossings of surface s, moved by `shift`, mm, with the lines from `low` up to `high`. */
+smr_extent smr_lines_extent(const smr_surface *s, const smr_ray *low, const smr_ray *high, smr_vec shift);
 /* Returns the length, mm, of the line inside both surfaces. */
 float smr_line_inside(const smr_line *l);
 /* Returns 1 when the winding number of surface s around p (mm from its origin) is not 0, also near folds. */

@@ -2,7 +2,8 @@
  * and area are measured at the vertices of both surfaces and at three points of each triangle that can reach the
  * other surface. Between two places the distance to a surface changes by their distance at most, which saves searches.
  * The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact. A job (job.h).
- * Bounds: four searches a triangle and one a leaf, one a vertex; SMR_LINES^2 lines of two passes through a tree.
+ * Bounds: four searches a triangle and one a leaf, one a vertex; SMR_LINES^2 lines of two passes through a tree, and
+ * two passes for SMR_CONTACT_PLACES lines.
  * SPDX-License-Identifier: MIT */
 #include "base/job.h"
 #include "geometry/box_tree/triangle.h"
@@ -30,9 +31,12 @@ typedef struct contact {
     uint32_t u, v, w;                          /* axes across the lines, and along them */
     uint32_t n_u, n_v;                         /* numbers of lines along the axes u and v */
     float du, dv;                              /* distances of the lines, mm */
+    uint32_t line;                             /* first of the lines that are tested now */
+    smr_extent on[2];                          /* extents of a and b on these lines, mm from a's origin */
     float length;                              /* length of all lines inside both surfaces so far, mm */
     smr_sweep_found place[SMR_CONTACT_PLACES]; /* results of tasks */
     uint32_t leaf, n_near; /* first leaf of a, then of b, that is tested now; number of near ones among those tested */
+    uint32_t warm[2];      /* triangle of b, and of a, closest to the last near leaf */
     near_leaf near[SMR_CONTACT_LEAVES];
     smr_sweep_middle middle[SMR_CONTACT_LEAVES * SMR_TREE_WIDTH]; /* of the triangles of the near leaves */
     float part; /* area in contact of the points of a triangle so far, mm^2; length inside of a pair of lines, mm */
@@ -78,6 +82,7 @@ static void test_leaf(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     contact *c = job;
     const uint32_t leaf = c->leaf + task, n = leaves_of(c, 0);
+    c->near[task].middle.warm = c->warm[leaf >= n];
     const int is_near = smr_sweep_leaf(&c->sweep[leaf >= n], leaf < n ? leaf : leaf - n, &c->near[task].middle);
     c->near[task].leaf = is_near ? leaf : SMR_NONE;
 }
@@ -87,8 +92,10 @@ static void keep_near(void *job, uint32_t first, uint32_t last)
     contact *c = job;
     c->n_near = first == 0u ? 0u : c->n_near;
     for (uint32_t task = first; task < last; task++)
-        if (c->near[task].leaf != SMR_NONE)
+        if (c->near[task].leaf != SMR_NONE) {
+            c->warm[c->near[task].leaf >= leaves_of(c, 0)] = c->near[task].middle.warm;
             c->near[c->n_near++] = c->near[task];
+        }
 }
 
 static uint32_t triangle_tasks(const void *job) { return ((const contact *)job)->n_near * SMR_TREE_WIDTH; }
@@ -200,31 +207,81 @@ static void begin_volume(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_
         c->n_v++;
 }
 
+/* Returns the line of the grid in row i, column k. */
+static smr_ray ray_of(const contact *c, uint32_t i, uint32_t k)
+{
+    return (smr_ray){c->u, c->v, c->w, smr_axis_of(c->box.lo, c->u) + ((float)i + 0.5f) * c->du,
+                     smr_axis_of(c->box.lo, c->v) + ((float)k + 0.5f) * c->dv};
+}
+
+static uint32_t n_lines(const contact *c) { return c->n_u * c->n_v; }
+
+/* Returns the number of lines that are tested at once: SMR_CONTACT_PLACES of a row, or the rest of the row. */
+static uint32_t lines_at_once(const contact *c) { return smr_min_u32(SMR_CONTACT_PLACES, c->n_v - c->line % c->n_v); }
+
+static uint32_t extent_tasks(const void *job)
+{
+    const contact *c = job;
+    return c->line < n_lines(c) ? 2u : 0u;
+}
+
+/* Finds where a, then b, lies on the lines that are tested at once. */
+static void find_extent(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    const uint32_t i = c->line / c->n_v, k = c->line % c->n_v;
+    const smr_ray low = ray_of(c, i, k), high = ray_of(c, i, k + lines_at_once(c) - 1u);
+    if (task == 0u)
+        c->on[0] = smr_lines_extent(c->sweep[0].a, &low, &high, smr_v(0, 0, 0));
+    else if (c->on[0].lo <= c->on[0].hi)
+        c->on[1] = smr_lines_extent(c->sweep[0].b, &low, &high, c->sweep[0].shift);
+}
+
+/* Returns the number of lines to be measured: none where the surfaces lie apart from each other on all of them. */
 static uint32_t line_tasks(const void *job)
 {
     const contact *c = job;
-    return c->n_u * c->n_v;
+    const smr_extent a = c->on[0], b = c->on[1];
+    return c->line < n_lines(c) && a.lo <= a.hi && a.lo <= b.hi && a.hi >= b.lo ? lines_at_once(c) : 0u;
 }
 
 static void run_line(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     contact *c = job;
-    smr_line l = {.u = c->u, .v = c->v, .w = c->w};
-    l.pu = smr_axis_of(c->box.lo, l.u) + ((float)(task / c->n_v) + 0.5f) * c->du;
-    l.pv = smr_axis_of(c->box.lo, l.v) + ((float)(task % c->n_v) + 0.5f) * c->dv;
-    smr_line_cross(c->sweep[0].a, &l, smr_v(0, 0, 0), 1);
-    smr_line_cross(c->sweep[0].b, &l, c->sweep[0].shift, 2);
-    place_of(c, task)->sum = smr_line_inside(&l);
+    const uint32_t at = c->line + task;
+    smr_sweep_found *const f = place_of(c, task);
+    smr_line l;
+    l.ray = ray_of(c, at / c->n_v, at % c->n_v);
+    l.n = 0;
+    smr_line_cross(c->sweep[0].a, &l, smr_v(0, 0, 0), SMR_FAR, 1);
+    if (l.n == 0u || l.list[0].at > c->on[1].hi || l.list[l.n - 1u].at < c->on[1].lo)
+        return;
+    smr_line_cross(c->sweep[0].b, &l, c->sweep[0].shift, l.list[l.n - 1u].at, 2);
+    f->sum = smr_line_inside(&l);
 }
 
+/* Adds lengths by pairs of lines: lengths of both first, then the sum. */
 static void take_lines(void *job, uint32_t first, uint32_t last)
 {
     contact *c = job;
     for (uint32_t task = first; task < last; task++) {
-        const int pair = task % 2u == 1u || task + 1u == line_tasks(c);
-        c->part = (task % 2u == 0u ? 0.0f : c->part) + c->place[task % SMR_CONTACT_PLACES].sum;
-        c->length += pair ? c->part : 0.0f;
+        const uint32_t at = c->line + task;
+        c->part = (at % 2u == 0u ? 0.0f : c->part) + c->place[task % SMR_CONTACT_PLACES].sum;
+        c->length += at % 2u == 1u || at + 1u == n_lines(c) ? c->part : 0.0f;
     }
+}
+
+static void next_lines(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    contact *c = job;
+    if (c->line == n_lines(c))
+        return;
+    if (line_tasks(c) == 0u) { /* lengths of 0 */
+        c->length += c->line % 2u == 1u ? c->part : 0.0f;
+        c->part = 0.0f;
+    }
+    c->line += lines_at_once(c);
+    c->head.next_stage = c->head.stage - 2u;
 }
 
 static void finish(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
@@ -244,7 +301,9 @@ static const smr_stage stages[] = {
     {NULL, next_leaves, NULL, NULL}, /* back to the first stage */
     {vertex_tasks, run_vertices, places, take_vertices},
     {NULL, begin_volume, NULL, NULL},
+    {extent_tasks, find_extent, smr_in_order, NULL},
     {line_tasks, run_line, places, take_lines},
+    {NULL, next_lines, NULL, NULL}, /* back to the stage of extents */
     {NULL, finish, NULL, NULL},
 };
 
@@ -287,6 +346,7 @@ smr_status smr_surface_contact_begin(const smr_surface *a, const smr_surface *b,
     c->report = report;
     c->changes[0] = a->changes;
     c->changes[1] = b->changes;
+    c->warm[0] = c->warm[1] = SMR_NONE;
     const smr_sweep_found none = {smr_sweep_no_box, 0.0f, 0.0f};
     c->sweep[0] = (smr_sweep){a, b, smr_sub(b->origin, a->origin), smr_sweep_box(b), within_mm, none};
     c->sweep[1] = (smr_sweep){b, a, smr_sub(a->origin, b->origin), smr_sweep_box(a), within_mm, none};

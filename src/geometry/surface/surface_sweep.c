@@ -1,27 +1,41 @@
 /* surface_sweep.c: the signed distance of places of one surface to another, and what follows from it for surroundings:
- * between two places the distance changes by their distance at most, which saves searches.
- * Bounds: a search for each place.
+ * between two places the distance changes by their distance at most, which saves searches. Outside of a surface the
+ * closest triangle tells the distance; only inside the costlier side of surface_distance.c is asked for.
+ * Bounds: two searches and a line for each place.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface_sweep.h"
 #include "geometry/box_tree/triangle.h"
 
-/* Finds the signed distance of p (mm from b's origin) to b. Returns 0, with p unknown, where p is farther away than
- * `most`, or deeper than `deep`. */
+static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_SWEEP_MORE + SMR_SWEEP_MORE_MM; }
+
+/* Finds the signed distance of p (mm from b's origin) to b. to: a place whose side is known or not, as it is replaced.
+ * Returns 0, with p's side unknown, where p is outside and farther away than `most`, or deeper than `deep`. */
 static int find_side(const smr_sweep *s, smr_vec p, float most, float deep, smr_sweep_place *to)
 {
-    const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, to->warm};
+    const int joined = to->side < SMR_FAR && smr_abs(to->side) > apart(p, to->at); /* no surface lies between */
+    smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, to->warm};
+    smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};
     smr_side side;
     to->at = p;
     to->side = SMR_FAR;
-    if (!smr_box_reaches(&s->around, p, most) ||
-        !smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), NULL, &side))
+    if (!smr_box_reaches(&s->around, p, most))
         return 0;
-    to->side = side.mm < 0.0f && !smr_surface_inside(s->b, p) ? -side.mm : side.mm;
+    if (most > 0.0f)
+        smr_tree_closest(&s->b->tree, &q, &hit);
+    if (hit.triangle != SMR_NONE)
+        to->warm = q.warm = hit.triangle;
+    if (!joined)
+        to->inside = smr_surface_inside(s->b, p);
+    if (!to->inside) {
+        to->side = hit.triangle != SMR_NONE ? SMR_SQRT(hit.d2) : SMR_FAR;
+        return hit.triangle != SMR_NONE;
+    }
+    if (!smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), NULL, &side))
+        return 0;
+    to->side = side.mm;
     to->warm = side.triangle;
     return 1;
 }
-
-static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_SWEEP_MORE + SMR_SWEEP_MORE_MM; }
 
 /* Adds the area of points at most `way` mm from a place, if all of them surely are in contact and none can be deeper
  * than the deepest place so far. Returns 0 when that is not known. */
@@ -39,8 +53,16 @@ void smr_sweep_point(const smr_sweep *s, smr_vec p, float third, const smr_sweep
 {
     const float way = apart(p, middle->at);
     smr_sweep_place at = *middle;
-    if (middle->side - way > s->within || adds_surely(s, middle, way, f, third) ||
-        !find_side(s, p, way + smr_abs(middle->side), SMR_DEPTH_MOST, &at))
+    if (middle->side - way > s->within || adds_surely(s, middle, way, f, third))
+        return;
+    const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+    smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
+    smr_tree_try(&s->b->tree, NULL, &q, middle->warm, &hit);
+    if (SMR_SQRT(hit.d2) <= smr_min(s->within, smr_max(f->deepest, s->found.deepest))) {
+        f->sum += third;
+        return;
+    }
+    if (!find_side(s, p, s->within * SMR_SWEEP_MORE + SMR_SWEEP_MORE_MM, SMR_DEPTH_MOST, &at))
         return;
     f->deepest = smr_max(f->deepest, -at.side);
     f->sum += at.side <= s->within ? third : 0.0f;
@@ -68,7 +90,7 @@ smr_sweep_middle smr_sweep_triangle(const smr_sweep *s, uint32_t k, smr_sweep_pl
     if (adds_surely(s, last, moved + size * SMR_SWEEP_MORE, f, 3.0f * third)) {
         m.sum = f->sum;
     } else {
-        if (!find_side(s, centre, round, SMR_DEPTH_MOST, last) || !(last->side < round))
+        if (!find_side(s, centre, round * SMR_SWEEP_MORE, SMR_DEPTH_MOST, last) || !(last->side < round))
             return m;
         m.at = *last;
         m.third = third;
@@ -98,14 +120,14 @@ int smr_sweep_leaf(const smr_sweep *s, uint32_t leaf, smr_sweep_place *middle)
     const smr_box box = box_of_node(&s->a->tree.node[leaf]);
     const float half = 0.5f * apart(box.lo, box.hi), reach = (3.0f * half + s->within) * SMR_SWEEP_MORE;
     const smr_vec at = smr_sub(smr_scale(smr_add(box.lo, box.hi), 0.5f), s->shift);
-    middle->warm = SMR_NONE;
+    middle->side = SMR_FAR;
     return find_side(s, at, reach, SMR_DEPTH_MOST + half, middle) && middle->side <= reach;
 }
 
 /* Measures the depth of the vertices first .. last-1 of a that have triangles: those have an area. */
 void smr_sweep_vertices(const smr_sweep *s, smr_piece piece, smr_sweep_found *f)
 {
-    smr_sweep_place last = {smr_v(0, 0, 0), SMR_FAR, SMR_NONE};
+    smr_sweep_place last = {smr_v(0, 0, 0), SMR_FAR, SMR_NONE, 0};
     for (uint32_t v = piece.first; v < piece.last; v++) {
         const smr_vec p = smr_sub(smr_get3(s->a->xyz, v), s->shift);
         const float deepest = smr_max(f->deepest, s->found.deepest);

@@ -30,6 +30,7 @@ typedef struct smr_sweep_place {
     smr_vec at;    /* mm from b's origin */
     float side;    /* signed distance, mm; SMR_FAR: unknown */
     uint32_t warm; /* closest triangle of b, to be tried first at the next place; SMR_NONE: none */
+    int inside;    /* 1: b's winding number is not 0; the side may be positive even then, where b overlaps itself */
 } smr_sweep_place;
 
 /* The middle of a triangle of one surface, and what is known of the other surface there. */
