@@ -17,6 +17,7 @@
 #define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */
 #define SMR_REST 0.2f        /* largest motion since the last search of a vertex that rests / step of profiles */
 #define SMR_SIDE_SHARE 0.25f /* largest shift / search distance of profiles; the larger largest shift holds */
+#define SMR_SIDE_NOISY 2.0f  /* largest factor on both in noise, which hides slopes between near lines */
 
 /* Returns 1 when vertices may keep the goals of earlier searches. */
 static int rests_used(const smr_shared *shared)
@@ -276,6 +277,13 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
 
+/* Returns the noise of the image / the mean noise level of structures; 0 as in the paper, which ignores noise. */
+static float noise_of(const smr_image_goals *g)
+{
+    const int ignored = g->shared->config.image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f);
+    return ignored ? 0.0f : g->noise / g->noise_level;
+}
+
 /* Returns the shift of v along the surface, mm, after which image and profile match better at the goal. */
 static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, const search_line *l,
                                        const image_sample *sample)
@@ -284,7 +292,8 @@ static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, con
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
     if (!(g->shared->config.image.sideways > 0.0f))
         return smr_v(0, 0, 0);
-    const float reach = smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm);
+    const float reach = smr_clamp(noise_of(g), 1.0f, SMR_SIDE_NOISY) *
+                        smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm);
     const smr_vec at = smr_add(l->start, smr_scale(l->step, sample->first)), normal = smr_get3(g->shape->normal, v);
     const smr_vec step = smr_scale(l->step, (float)sample->hop);
     const smr_place place = {&sample->reference, at, step, normal, &sample->both, owner->gain, owner->noise, reach};
@@ -332,8 +341,7 @@ static int search(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    const int ignored = c->image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f); /* the paper ignores noise */
-    const float noise = ignored ? 0.0f : g->noise / g->noise_level;
+    const float noise = noise_of(g);
     const uint32_t n_inside = noise > SMR_NOISY
                                   ? smr_grid_thick_line(&g->grid, noise, l.start, l.step, l.n, line, inside)
                                   : smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside);
@@ -359,6 +367,8 @@ static int search(smr_image_goals *g, uint32_t v, smr_vec *displacement)
         compare(g, v, &sample, owner->noise);
         *displacement = smr_add(*displacement, tangential_displacement(g, v, &l, &sample));
     }
+    if (noise > SMR_NOISY) /* the goal's mean with the present place, weighted by how sure the goal is */
+        *displacement = smr_scale(*displacement, smr_min(total, 1.0f));
     return SMR_GOAL;
 }
 
