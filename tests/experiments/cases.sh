@@ -69,14 +69,14 @@ group_noise() {
         register $1_$2 --model thigh.smr --target noise.mha --truth data/thigh_$1/truth $(marks $1)
         within $1_$2 mean $3 folds 0
     }
-    noise patient 10 0.17
+    noise patient 10 0.16
     full || return 0
-    noise patient 20 0.3
+    noise patient 20 0.27
     noise person 20 0.84
     all || return 0
-    noise patient 5 0.13
-    noise person 5 0.74
-    noise person 10 0.76
+    noise patient 5 0.12
+    noise person 5 0.7
+    noise person 10 0.7
 }
 
 apart() { # row, row: mean distance between vertices of the same index
