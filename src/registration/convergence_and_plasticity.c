@@ -56,11 +56,10 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
     return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 
-/* Returns 0 in tracking and dynamics: there x^r is tracking's rest shape in new poses (tracking_rest_shape.c). */
 int smr_plastic_ahead(const smr *s)
 {
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);
-    return !s->schedule.tracking && s->shape.dynamics == NULL && smr_plastic_due(s, &e, s->schedule.since_plastic + 1u);
+    return smr_plastic_due(s, &e, s->schedule.since_plastic + 1u);
 }
 
 void smr_plastic_update(smr *s)

@@ -136,7 +136,7 @@ int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
 {
     const smr_schedule *p = g->schedule;
     const float far = smr_max(smr_max(p->profile_mm, g->structure[structure].wide_mm), p->gradient_mm);
-    return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
+    return far >= 0.5f * smr_le_float(g->shared->model->profile_step);
 }
 
 /* Returns the distance, mm, within which the profile of vertex v is searched for. */
