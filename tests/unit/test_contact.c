@@ -294,6 +294,7 @@ TEST(test_moved)
 
 TEST(test_fixed)
 {
+    static const smr_surface no_surface;
     smr *s = start(1, 1.0f, 2, NULL);
     const smr_surface *other = rig_surface(&pair[1]);
     smr_points *points = NULL;
@@ -301,6 +302,7 @@ TEST(test_fixed)
     assert_int_equal(SMR_OK, smr_points_open(10, cloud, sizeof cloud, &points));
     assert_int_equal(SMR_E_NULL, smr_set_fixed(NULL, 0, other));
     assert_int_equal(SMR_E_STATE, smr_set_fixed(s, 0, &points->surface));
+    assert_int_equal(SMR_E_STATE, smr_set_fixed(s, 0, &no_surface));
     assert_int_equal(SMR_E_INPUT, smr_set_fixed(s, 2, other));
     assert_int_equal(SMR_OK, smr_set_fixed(s, 1, other));
     (void)rig_run(s, 100);

@@ -201,6 +201,16 @@ TEST(refused)
     assert_int_equal(SMR_E_SAVE, run(&e.job));
     assert_null(none);
     assert_int_equal(SMR_E_ARENA, smr_init_begin(e.model, &e.config, NULL, arena, arena_bytes - 1u, &none, &e.job));
+    saved[bytes / 2u] ^= 1u;
+    assert_int_equal(SMR_OK, smr_save_begin(s, saved, bytes, &e.job));
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e.job, 1, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* which ends the save */
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e.job, 1, NULL, 0));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, e.target));
+    assert_int_equal(SMR_OK, smr_save_begin(s, saved, bytes, &e.job));
+    assert_int_equal(SMR_OK, smr_surface_refit(e.target, e.target->xyz)); /* an input that is being built */
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e.job, 1, NULL, 0));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL));
     const smr_pose flat = {{{0}}};
     assert_int_equal(SMR_E_INPUT, smr_set_pose_begin(s, &flat, &e.job));
     assert_int_equal(SMR_E_NULL, smr_set_pose_begin(s, NULL, &e.job));
