@@ -320,6 +320,20 @@ TEST(forged_profiles)
         assert_int_equal(open_with(&w, bad[i].word, bad[i].value), SMR_E_MODEL);
 }
 
+/* A structure to which nothing belongs any more: harmless in use. */
+TEST(an_empty_structure)
+{
+    small_world w = make(0);
+    smr_stored_structure *r = (smr_stored_structure *)(uintptr_t)smr_model_record(w.image.model, 0);
+    r[0].n_vertices = r[1].first_vertex = w.image.model->n_vertices;
+    r[0].n_triangles = r[1].first_triangle = w.image.model->n_triangles;
+    r[1].n_vertices = r[1].n_triangles = 0;
+    memset((void *)(uintptr_t)smr_at(w.image.model, w.image.model->at_owner), 0, 2u * smr_le32(r[1].first_vertex));
+    unit_repair(w.image.bytes, w.image.size);
+    assert_int_equal(1, try_image(&w, w.image.bytes, w.image.size, "no vertex", 0));
+    unmake(&w);
+}
+
 TEST(views_refuse_politely)
 {
     small_world w = make(0);

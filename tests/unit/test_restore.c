@@ -178,18 +178,20 @@ TEST(test_forged_values)
         refused_now(saved, u.bytes);
     }
     (void)both(u.surface, u.surface, &before);
+    size_t bytes;
+    assert_int_equal(SMR_OK, smr_save_bytes(before, &bytes));
     assert_int_equal(SMR_OK, smr_save(before, saved, sizeof saved));
     uint32_t list[6] = {0, 0, 0, 0, 0, 0}; /* the structure with the same surface, and checksums */
     const uint64_t sum = smr_target_checksum(u.surface);
     list[1] = (uint32_t)sum;
     list[2] = (uint32_t)(sum >> 32);
-    at = found_in(saved, sizeof saved, list, sizeof list);
+    at = found_in(saved, bytes, list, sizeof list);
     list[4] = 1;
     memcpy(at, list, sizeof list);
-    refused_now(saved, sizeof saved);
+    refused_now(saved, bytes);
     const uint32_t none[6] = {SMR_NONE, 0, 0, 0, 0, 0};
     memcpy(at, none, sizeof none);
-    refused_now(saved, sizeof saved);
+    refused_now(saved, bytes);
 }
 
 /* ---- logs */

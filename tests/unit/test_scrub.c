@@ -238,6 +238,9 @@ TEST(the_seal_holds_between_pieces)
         rig_clock clock;
         smr *s = start_with(0, dynamics);
         uint32_t partial = 0, at_first = 0;
+        smr_pose pose;
+        smr_verdict verdict[2];
+        float mm;
         s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
         smr_guard_close(s);
         assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_STATE));
@@ -245,9 +248,16 @@ TEST(the_seal_holds_between_pieces)
             const smr_status status = smr_tick(s, 1, NULL);
             assert_true(status >= SMR_OK);
             partial += status == SMR_PARTIAL;
+            assert_int_equal(SMR_OK, smr_get_pose(s, 0, &pose, &mm));
+            if (s->step > 0u || s->next_task > 0u)
+                assert_true(mm == -1.0f); /* nothing has been measured from there */
             at_first += s->step == 0u && s->next_task > 0u;
         }
         assert_true(partial > 50u && (at_first > 0u) == (dynamics == SMR_DYNAMICS_ON));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        for (uint32_t i = 0; i < 2u; i++)
+            assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict[i]));
+        assert_memory_equal(&verdict[0], &verdict[1], sizeof verdict[0]);
         flip(s->shape.x_ref, 10);
         assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 1, NULL));
     }
