@@ -124,7 +124,8 @@ static void measures(const smr_mesh *a, const smr_mesh *b, float deepest, float 
 TEST(test_measured)
 {
     static const float aside[3] = {37, 3, -1}, far[3] = {60, 0, 0};
-    const smr_mesh a = box(100, 200, -300, 10), b = box(108, 201, -300.5f, 10), in = box(103, 203, -297, 4);
+    const smr_mesh a = box(100, 200, -300, 10), b = box(108, 201, -300.5f, 10), in = box(103, 203, -297, 4),
+                   edge = box(109.25f, 208.75f, -298, 10);
     const smr_mesh ball = rig_ball(20, 40, 64, none), next = rig_ball(20, 40, 64, aside),
                    off = rig_ball(20, 24, 40, far);
     const smr_surface *surface = rig_surface(&a);
@@ -132,6 +133,7 @@ TEST(test_measured)
     smr_mesh open = a;
     measures(&a, &b, 2.0f, 2.0f * 9.0f * 9.5f, -1);
     measures(&a, &in, 3.0f, 64.0f, -1);
+    measures(&a, &edge, 0.75f, 0.75f * 1.25f * 8.0f, -1);
     const float h = 20.0f - 0.5f * sqrtf(37.0f * 37.0f + 10.0f);
     measures(&ball, &next, 2.0f * h, 2.09439510f * h * h * (60.0f - h), 6.2831853f * 20.0f * h * 1.05f);
     measures(&ball, &off, 0, 0, 0);
@@ -149,6 +151,37 @@ TEST(test_measured)
     }
     assert_int_equal(SMR_E_INPUT, smr_surface_contact(surface, surface, NAN, &r));
     assert_int_equal(SMR_E_INPUT, smr_surface_contact(surface, surface, -1.0f, &r));
+}
+
+/* The smaller the overlap, the smaller all measures; a vertex without triangles changes none, and with a stray triangle
+ * a surface is not closed. */
+TEST(test_small_overlaps)
+{
+    const smr_mesh ball = rig_ball(20, 24, 40, none);
+    const smr_surface *one = rig_surface(&ball);
+    const uint32_t n = ball.n_vertices, nt = ball.n_triangles;
+    float *xyz = rig_alloc(3u * sizeof *xyz * (n + 4u));
+    uint32_t *t = rig_alloc(3u * sizeof *t * (nt + 1u));
+    const smr_mesh more = {xyz, t, n + 1u, nt}, stray = {xyz, t, n + 4u, nt + 1u};
+    smr_contact_report last = {100, 100, 1.0e6f, 1.0e6f}, r, same;
+    memcpy(t, ball.triangles, 3u * sizeof *t * nt);
+    for (uint32_t i = 0; i < 3u; i++)
+        t[3u * nt + i] = n + 1u + i;
+    for (uint32_t k = 0; k < 24u; k++) {
+        const float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, at[3] = {39.7f - 3.0f / (float)(k + 1u), 1, 0.5f};
+        const smr_mesh other = rig_moved(&ball, turn, at);
+        memcpy(xyz, other.xyz, 3u * sizeof *xyz * n);
+        for (uint32_t i = 0; i < 4u; i++)
+            xyz[3u * (n + i) + i % 3u] = 5.0f;
+        assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&other), one, 0.2f, &r));
+        assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&more), one, 0.2f, &same));
+        assert_true(fabsf(r.deepest_mm - same.deepest_mm) < 1.0e-4f && fabsf(r.volume_mm3 - same.volume_mm3) < 0.1f &&
+                    fabsf(r.area_mm2 - same.area_mm2) < 0.1f);
+        assert_true(r.deepest_mm <= last.deepest_mm && r.volume_mm3 <= last.volume_mm3 && r.area_mm2 <= last.area_mm2);
+        last = r;
+        assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&stray), one, 0.2f, &r));
+        assert_true(r.deepest_mm == 0.0f && r.volume_mm3 == 0.0f && r.area_mm2 == 0.0f);
+    }
 }
 
 /* Two balls that overlap by 6 mm, or a ball alone. */
