@@ -2,6 +2,7 @@
  * edges, shared and separate, with and without mesh neighbours, for meshes and for points with exact ties.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
+#include <math.h>
 #include <string.h>
 #include "registration/registration.h"
 #include "unit_lists.h"
@@ -132,6 +133,25 @@ TEST(dense_structures)
     m.nt = 0; /* points may be anything */
     image = unit_prepare_mesh(&m, &c);
     assert_int_equal(0, smr_le32(image.model->coarse_radii));
+    unit_image_free(&image);
+    unit_mesh_free(&m);
+}
+
+/* One cluster of so many vertices that weights in the usual unit would add up beyond what centres allow: it falls. */
+TEST(many_weights)
+{
+    unit_mesh m = unit_sphere(6, 60.0f, 0.0f);
+    const smr_prepare_config c = rig_radii(1, 200, 0, 0);
+    smr_config config = smr_config_default();
+    unit_image image = unit_prepare_mesh(&m, &c);
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    config.dynamics.gravity[2] = -9810.0f;
+    smr *s = rig_init(image.model, &config, NULL);
+    float *const before = rig_positions(s, image.model);
+    (void)rig_run(s, 2u * SMR_SWEEPS);
+    const float *const after = rig_positions(s, image.model);
+    for (uint32_t v = 0; v < m.nv; v++)
+        assert_true(after[3u * v + 2u] < before[3u * v + 2u] && fabsf(after[3u * v] - before[3u * v]) < 1.0e-3f);
     unit_image_free(&image);
     unit_mesh_free(&m);
 }

@@ -429,7 +429,7 @@ TEST(test_replay)
 
 TEST(test_saved)
 {
-    smr *s = start(2, 1.0f, 1, NULL), *again = NULL;
+    smr *s = start(2, 1.0f, 2, NULL), *again = NULL; /* the second fixed surface is never set */
     smr_surface *other = rig_surface(&pair[1]);
     size_t bytes = 0, arena = 0;
     uint32_t n = 0;
