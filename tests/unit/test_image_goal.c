@@ -118,7 +118,7 @@ TEST(test_other_settings)
     } row[] = {{4, SMR_BLEND_CONFIDENCE, SMR_EDGE_REFERENCE, RIG_BALL_SIDE, 0.5},
                {20, SMR_BLEND_CONFIDENCE, SMR_EDGE_REFERENCE, RIG_BALL_SIDE, 0.3},
                {20, SMR_BLEND_PLAIN, SMR_EDGE_STEEPEST, RIG_BALL_SIDE, 0.3},
-               {20, SMR_BLEND_PLAIN, SMR_EDGE_REFERENCE, RIG_BALL_SIDE / 2u + 6u, 1.5}};
+               {20, SMR_BLEND_PLAIN, SMR_EDGE_REFERENCE, RIG_BALL_SIDE / 2u + 6u, 6}};
     smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere),
                target = rig_ball_image(RIG_BALL_MM + 2.0f, rig_shift);
     const smr_mesh mesh = rig_ball(RIG_BALL_MM, 13, 20, rig_nowhere);
