@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
-#include "registration/registration.h"
+#include "registration/tick/iteration_steps.h"
 
 #define STEP 5.0f    /* mm, of the sheets */
 #define RADIUS 20.0f /* mm, of the clusters */
@@ -64,5 +64,26 @@ TEST(which_targets_are_partial)
         assert_int_equal(s->forces.surface.partial, k > 0u); /* aside, not all of it finds mutual goals */
         assert_true(s->forces.surface.target[0].n_judged == ball.n_vertices);
         assert_true((s->forces.surface.target[0].n_visible > 9u * ball.n_vertices / 10u) == (k != 1u));
+    }
+}
+
+/* What shows parts of the model costs steps only where it may be needed: also beside tracking without images. */
+TEST(when_parts_may_be_shown)
+{
+    static const struct {
+        uint32_t coverage, room, track, partial;
+    } row[] = {{SMR_COVERAGE_WHOLE, 0, SMR_TRACK_OFF, 0},
+               {SMR_COVERAGE_WHOLE, 0, SMR_TRACK_RECOVER, 0},
+               {SMR_COVERAGE_WHOLE, 9, SMR_TRACK_RECOVER, 1},
+               {SMR_COVERAGE_AUTO, 0, SMR_TRACK_OFF, 1}};
+    const smr_mesh mesh = sheet(100.0f, 0.0f);
+    const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
+    for (uint32_t k = 0; k < sizeof row / sizeof row[0]; k++) {
+        smr_config c = smr_config_default();
+        c.partial.coverage = row[k].coverage;
+        c.basic.n_target_vertices = row[k].room;
+        c.track.mode = row[k].track;
+        const smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+        assert_int_equal(row[k].partial, (s->shared.parts & SMR_PART_PARTIAL) != 0u);
     }
 }
