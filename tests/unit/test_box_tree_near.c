@@ -134,18 +134,19 @@ TEST(near_ones_end_where_room_or_budget_do)
 /* The path that limits what searches know is never shorter than the sum of small displacements, whatever is rounded. */
 TEST(path_of_small_steps)
 {
-    const smr_shared shared = {.n = 0};
-    uint16_t other = 1;
-    smr_surface_goals g = {.shared = &shared, .other = &other, .path = 7.0f};
+    const smr_shared shared = {.n_structures = 1, .config.basic.n_workers = 1};
+    smr_target target = {.path = 7.0f};
+    smr_surface_goals g = {.shared = &shared, .target = &target};
     double sum = 7.0;
     for (uint32_t i = 0; i < 300000u; i++) {
         const float moved = 1.0e-7f * (float)(i % 7u);
-        smr_certainties_age(&g, moved);
+        float most2 = moved * moved;
+        smr_certainties_age(&g, &most2);
         sum += (double)moved;
-        assert_true((double)g.path >= sum);
+        assert_true((double)target.path >= sum && most2 == 0.0f);
     }
-    smr_certainties_age(&g, 8.0f);
-    assert_true(g.path == 0.0f);
+    smr_certainties_age(&g, (float[1]){64});
+    assert_true(target.path == 0.0f);
 }
 
 /* Copies of a triangle, all at one distance, which may be the search's; and a ball of which others are asked for that
