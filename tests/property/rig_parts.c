@@ -1,6 +1,7 @@
 /* rig_parts.c: three balls in a row, for random registrations of several structures to surfaces and images.
  * SPDX-License-Identifier: MIT */
 #include "property/rig_parts.h"
+#include <string.h>
 
 #define SIDE 36u /* voxels of an image */
 
@@ -70,4 +71,24 @@ void rig_parts_forces(smr_config *config, uint32_t seed)
     config->dynamics.gravity[1] = -9810.0f;
     config->dynamics.step_ms = (float)(1u + (seed >> 14 & 63u));
     config->contact.share = config->dynamics.mode ? 0.0f : (float)(seed >> 13 & 1u);
+}
+
+smr_mesh rig_joined(const smr_mesh *mesh, uint32_t n)
+{
+    smr_mesh all = {NULL, NULL, 0, 0};
+    for (uint32_t i = 0; i < n; i++) {
+        all.n_vertices += mesh[i].n_vertices;
+        all.n_triangles += mesh[i].n_triangles;
+    }
+    float *xyz = rig_alloc(12u * (size_t)all.n_vertices);
+    uint32_t *t = rig_alloc(12u * (size_t)all.n_triangles), vertex = 0, at = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(xyz + 3u * (size_t)vertex, mesh[i].xyz, 12u * (size_t)mesh[i].n_vertices);
+        for (uint32_t k = 0; k < 3u * mesh[i].n_triangles; k++)
+            t[at++] = mesh[i].triangles[k] + vertex;
+        vertex += mesh[i].n_vertices;
+    }
+    all.xyz = xyz;
+    all.triangles = t;
+    return all;
 }

@@ -29,4 +29,7 @@ smr_config rig_parts_config(uint32_t *seed);
 /* In some, where the rest of it allows: dynamics, or contact. */
 void rig_parts_forces(smr_config *config, uint32_t seed);
 
+/* Meshes as one. */
+smr_mesh rig_joined(const smr_mesh *mesh, uint32_t n);
+
 #endif

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "rig.h"
+#include "rig_parts.h"
 
 #define FOUND_MM 2.0f
 #define CUT_MM 3.0f
@@ -94,19 +94,6 @@ TEST(test_bends)
     }
 }
 
-/* Two meshes as one. */
-static smr_mesh both(const smr_mesh *a, const smr_mesh *b)
-{
-    float *xyz = rig_alloc(12u * ((size_t)a->n_vertices + b->n_vertices));
-    uint32_t *t = rig_alloc(12u * ((size_t)a->n_triangles + b->n_triangles));
-    memcpy(xyz, a->xyz, 12u * (size_t)a->n_vertices);
-    memcpy(xyz + 3u * (size_t)a->n_vertices, b->xyz, 12u * (size_t)b->n_vertices);
-    memcpy(t, a->triangles, 12u * (size_t)a->n_triangles);
-    for (uint32_t k = 0; k < 3u * b->n_triangles; k++)
-        t[3u * a->n_triangles + k] = b->triangles[k] + a->n_vertices;
-    return (smr_mesh){xyz, t, a->n_vertices + b->n_vertices, a->n_triangles + b->n_triangles};
-}
-
 /* A ball beside the limb, which no neighbour joins, and a needle without area, whose far corners are in no patch. */
 TEST(test_keeps_the_rest)
 {
@@ -115,7 +102,7 @@ TEST(test_keeps_the_rest)
     const float *tip = rest.xyz,
                 line[] = {tip[0], tip[1], tip[2], tip[0], tip[1], tip[2] - 64.0f, tip[0], tip[1], tip[2] - 128.0f};
     static const uint32_t ends[] = {0, 1, 2};
-    const smr_mesh needle = {line, ends, 3, 1}, two = both(&rest, &ball), model = both(&two, &needle);
+    const smr_mesh needle = {line, ends, 3, 1}, all[] = {rest, ball, needle}, model = rig_joined(all, 3);
     const uint32_t n = model.n_vertices - rest.n_vertices;
     float *at = rig_alloc(12u * (size_t)model.n_vertices);
     ((uint32_t *)(uintptr_t)model.triangles)[3u * model.n_triangles - 3u] = 0; /* begins at the limb's tip */
@@ -135,9 +122,10 @@ TEST(test_leaves_alone)
     const smr_mesh part = between(&rest, &rest, -300, 0), little = bent(&rest, 5.0f),
                    large = rig_ball(300, 80, 60, centre);
     const smr_mesh thin = {line, flat, 3, 1}, turned = bent(&rest, 60.0f), low = between(&turned, &rest, -300, 40);
-    const smr_mesh high = between(&turned, &rest, 70, 300), gap = both(&low, &high);
+    const smr_mesh high = between(&turned, &rest, 70, 300), gap = rig_joined((const smr_mesh[]){low, high}, 2);
     const smr_mesh more = rig_ball(32, 20, 20, beside), other = rig_moved(&more, across, centre);
-    const smr_mesh with_more = both(&rest, &more), with_other = both(&turned, &other);
+    const smr_mesh with_more = rig_joined((const smr_mesh[]){rest, more}, 2),
+                   with_other = rig_joined((const smr_mesh[]){turned, other}, 2);
     const smr_mesh *const pair[][2] = {{&rest, &rest}, {&rest, &moved},           {&rest, &away},
                                        {&rest, &part}, {&rest, &little},          {&rest, &large},
                                        {&thin, &rest}, {&with_more, &with_other}, {&rest, &gap}};

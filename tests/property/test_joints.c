@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "rig_cloud.h"
+#include "rig_parts.h"
 
 enum { ARM, FOREARM, BALL, PARTS };
 
@@ -23,26 +24,6 @@ typedef struct arm {
 } arm;
 
 static const float none[3] = {0, 0, 0};
-
-static smr_mesh joined(const smr_mesh *mesh, uint32_t n)
-{
-    smr_mesh all = {NULL, NULL, 0, 0};
-    for (uint32_t i = 0; i < n; i++) {
-        all.n_vertices += mesh[i].n_vertices;
-        all.n_triangles += mesh[i].n_triangles;
-    }
-    float *xyz = rig_alloc(12u * (size_t)all.n_vertices);
-    uint32_t *t = rig_alloc(12u * (size_t)all.n_triangles), vertex = 0, at = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        memcpy(xyz + 3u * (size_t)vertex, mesh[i].xyz, 12u * (size_t)mesh[i].n_vertices);
-        for (uint32_t k = 0; k < 3u * mesh[i].n_triangles; k++)
-            t[at++] = mesh[i].triangles[k] + vertex;
-        vertex += mesh[i].n_vertices;
-    }
-    all.xyz = xyz;
-    all.triangles = t;
-    return all;
-}
 
 /* The vertex with the largest z, or the smallest where sign is -1. */
 static const float *end_of(const smr_mesh *m, float sign)
@@ -90,7 +71,7 @@ static void posed(const smr_mesh *m, const smr_pose *p, float *out)
 
 static void find(const arm *a, int shared, int pieces, smr_align_part part[PARTS])
 {
-    const smr_mesh model = joined(a->model, 2), both = joined(a->target, 2);
+    const smr_mesh model = rig_joined(a->model, 2), both = rig_joined(a->target, 2);
     smr_surface *onto = rig_surface(&both);
     smr_align_config c = smr_align_config_default();
     const smr_port port = rig_port(RIG_SHUFFLE, 3);
@@ -210,8 +191,8 @@ TEST(test_unusual_parts)
         arm a = make_arm(&seed, 70.0f);
         const smr_mesh ball = rig_moved(&a.model[BALL], a.turn, a.shift), core = rig_ball(15, 20, 20, beside);
         const smr_mesh odd[2][2] = {{rig_ball(30, 8, 10, beside), core}, {rig_ball(60, 8, 10, beside), core}};
-        const smr_mesh lower[2] = {a.target[FOREARM], ball}, onto[2] = {a.target[ARM], joined(lower, 2)};
-        const smr_mesh odd_model = joined(odd[0], 2), odd_target = joined(odd[1], 2);
+        const smr_mesh lower[2] = {a.target[FOREARM], ball}, onto[2] = {a.target[ARM], rig_joined(lower, 2)};
+        const smr_mesh odd_model = rig_joined(odd[0], 2), odd_target = rig_joined(odd[1], 2);
         smr_align_config c = smr_align_config_default();
         smr_align_part part[ALL];
         size_t bytes;

@@ -4,7 +4,6 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
-#include "model/model.h"
 #include "property/rig_ball_image.h"
 #include "unit_mesh.h"
 
@@ -49,7 +48,7 @@ static void check(const unit_mesh *m, const smr_model_info *info)
 TEST(models_of_every_kind)
 {
     oracle_random r = oracle_seed(180);
-    unit_mesh m[10] = {unit_bone(0),
+    unit_mesh m[11] = {unit_bone(0),
                        unit_sphere(0, 1.0f, 0.0f),
                        unit_sphere(4, 60000.0f, 0.0f),
                        unit_grid(1, 1, 0.01f),
@@ -58,7 +57,9 @@ TEST(models_of_every_kind)
                        unit_points(&r, 1, 5.0f, 1.0f),
                        unit_points(&r, 2, 5.0f, 1e-4f),
                        unit_points(&r, 500, 5.0f, 100.0f),
-                       unit_points(&r, 30, 0.0f, 0.0f)};
+                       unit_points(&r, 30, 0.0f, 0.0f),
+                       unit_points(&r, 2000, 0.001f, 0.0f)};
+    m[10].xyz[0] = 90000.0f; /* all in one place but one: clusters hold as many, however small the radius */
     for (size_t i = 0; i < sizeof m / sizeof m[0]; i++) {
         const smr_model_info info = info_of(&m[i]);
         check(&m[i], &info);
@@ -140,30 +141,4 @@ TEST(density_does_not_matter)
     assert_true(many.largest_cluster[0] < few.largest_cluster[0] * 3u / 2u);
     unit_mesh_free(&thin);
     unit_mesh_free(&dense);
-}
-
-/* Nearly all vertices in one place and a triangle far away: every radius holds them all, and no more radii than there
- * are become coarse. */
-TEST(dense_and_far)
-{
-    for (uint32_t k = 0; k < 2u; k++) {
-        unit_mesh grid = k == 0u ? unit_grid(50, 50, 0.001f) : unit_grid(90, 90, 0.001f);
-        unit_mesh m = unit_mesh_new(grid.nv + 3u, grid.nt + 1u);
-        const smr_prepare_config c = smr_prepare_config_default();
-        memcpy(m.xyz, grid.xyz, 3u * sizeof *m.xyz * grid.nv);
-        memcpy(m.triangles, grid.triangles, 3u * sizeof *m.triangles * grid.nt);
-        for (uint32_t i = 0; i < 3u; i++) {
-            m.triangles[3u * grid.nt + i] = grid.nv + i;
-            for (uint32_t a = 0; a < 3u; a++)
-                m.xyz[3u * (grid.nv + i) + a] = a == i ? 90000.0f : -90000.0f;
-        }
-        unit_image image = unit_prepare_mesh(&m, &c);
-        const uint32_t coarse = smr_le32(image.model->coarse_radii);
-        assert_true((coarse > 0u) == (k == 1u) && coarse < smr_le32(image.model->n_radii));
-        for (uint32_t r = coarse; r < smr_le32(image.model->n_radii); r++)
-            assert_in_range(smr_model_lists(image.model, r).largest, grid.nv, m.nv);
-        unit_image_free(&image);
-        unit_mesh_free(&m);
-        unit_mesh_free(&grid);
-    }
 }

@@ -108,42 +108,6 @@ TEST(test_follows_image)
     }
 }
 
-/* An image without any noise, with edges that are a voxel wide, by profiles of few samples, and by goals without
- * weights, also where no edge lies. */
-TEST(test_other_settings)
-{
-    static const struct {
-        uint32_t samples, blend, edge, flat; /* flat: voxels above this slice have one value */
-        double off;
-    } row[] = {{4, SMR_BLEND_CONFIDENCE, SMR_EDGE_REFERENCE, RIG_BALL_SIDE, 0.5},
-               {20, SMR_BLEND_CONFIDENCE, SMR_EDGE_REFERENCE, RIG_BALL_SIDE, 0.3},
-               {20, SMR_BLEND_PLAIN, SMR_EDGE_STEEPEST, RIG_BALL_SIDE, 0.3},
-               {20, SMR_BLEND_PLAIN, SMR_EDGE_REFERENCE, RIG_BALL_SIDE / 2u + 6u, 6}};
-    smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere),
-               target = rig_ball_image(RIG_BALL_MM + 2.0f, rig_shift);
-    const smr_mesh mesh = rig_ball(RIG_BALL_MM, 13, 20, rig_nowhere);
-    for (uint32_t k = 0; k < sizeof row / sizeof row[0]; k++) {
-        smr_prepare_config prepare = rig_radii(2, 20, 10, 0);
-        smr_config c = smr_config_default_image();
-        for (uint32_t i = 0; i < RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE; i++) {
-            float *const voxel = (float *)(uintptr_t)target.voxels + i;
-            *voxel = *voxel > 500.0f && i / (RIG_BALL_SIDE * RIG_BALL_SIDE) < row[k].flat ? 900.0f : 100.0f;
-        }
-        prepare.reference = &reference;
-        prepare.profile_samples = row[k].samples;
-        c.image.blend = row[k].blend;
-        c.image.edge = row[k].edge;
-        c.image.profile_mm = 30.0f;
-        const smr_model *model = rig_model(&mesh, 1, &prepare);
-        smr *s = rig_init(model, &c, NULL);
-        assert_int_equal(SMR_OK, smr_set_volume(s, &target));
-        (void)rig_run(s, 10000);
-        const double off = off_ball(s, model, (double)RIG_BALL_MM + 2.0, rig_shift);
-        if (!(off < row[k].off))
-            fail_msg("row %u: %f mm off in the mean", k, off);
-    }
-}
-
 /* Forces fade to 0 where the schedule ends, and vertices without a goal are smoothed: a structure's residuals are the
  * distances to goals all the same. */
 TEST(test_structure_report)

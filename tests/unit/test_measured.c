@@ -4,6 +4,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
+#include "property/rig_ball_image.h"
 #include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};
@@ -118,23 +119,6 @@ TEST(test_target_within_an_iteration)
     assert_true(r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
 }
 
-/* The image of a ball of 30 mm, 2 mm larger than the model. */
-static smr_volume ball_image(float radius)
-{
-    float *voxels;
-    const smr_volume v = rig_cube(60, 1.5f, &voxels);
-    for (uint32_t i = 0; i < 60u * 60u * 60u; i++) {
-        const uint32_t at[3] = {i % 60u, i / 60u % 60u, i / 3600u};
-        float d2 = 0.0f;
-        for (uint32_t a = 0; a < 3u; a++) {
-            const float d = v.origin[a] + 1.5f * (float)at[a];
-            d2 += d * d;
-        }
-        voxels[i] = (float)(500.0 + 400.0 * tanh(((double)radius - sqrt((double)d2)) / 2.0));
-    }
-    return v;
-}
-
 static float similarity(smr *s)
 {
     smr_verdict v;
@@ -155,7 +139,7 @@ static float seen_share(const smr *s)
 TEST(test_search_that_ends)
 {
     static const smr_landmark mark = {0, SMR_NONE, {28, 0, 0}, {30, 0, 0}, 1.0f, 0};
-    const smr_volume reference = ball_image(28), target = ball_image(30);
+    const smr_volume reference = rig_ball_image(28, rig_nowhere), target = rig_ball_image(30, rig_nowhere);
     const smr_mesh mesh = rig_ball(28, 9, 14, none);
     smr_prepare_config prepare = rig_radii(2, 20, 10, 0);
     smr_config c = smr_config_default_image();

@@ -51,6 +51,10 @@ TEST(which_targets_are_partial)
     assert_int_equal(s->forces.surface.partial, 1);
     s = judged(50.0f, SMR_COVERAGE_WHOLE);
     assert_null(s->forces.surface.visibility);
+    smr_config plain = smr_config_default();
+    plain.partial.coverage = SMR_COVERAGE_WHOLE;
+    plain.track.mode = SMR_TRACK_RECOVER; /* which needs no step for parts either, without images */
+    assert_int_equal(0, rig_init(s->shared.model, &plain, NULL)->shared.parts & SMR_PART_PARTIAL);
     assert_int_equal(s->forces.surface.partial, 0);
     for (uint32_t k = 0; k < 3u; k++) {
         const smr_mesh ball = rig_ball(30.0f, 13, 20, centre), goal = rig_ball(30.0f, 15, 22, k == 1u ? aside : centre);
@@ -64,26 +68,5 @@ TEST(which_targets_are_partial)
         assert_int_equal(s->forces.surface.partial, k > 0u); /* aside, not all of it finds mutual goals */
         assert_true(s->forces.surface.target[0].n_judged == ball.n_vertices);
         assert_true((s->forces.surface.target[0].n_visible > 9u * ball.n_vertices / 10u) == (k != 1u));
-    }
-}
-
-/* What shows parts of the model costs steps only where it may be needed: also beside tracking without images. */
-TEST(when_parts_may_be_shown)
-{
-    static const struct {
-        uint32_t coverage, room, track, partial;
-    } row[] = {{SMR_COVERAGE_WHOLE, 0, SMR_TRACK_OFF, 0},
-               {SMR_COVERAGE_WHOLE, 0, SMR_TRACK_RECOVER, 0},
-               {SMR_COVERAGE_WHOLE, 9, SMR_TRACK_RECOVER, 1},
-               {SMR_COVERAGE_AUTO, 0, SMR_TRACK_OFF, 1}};
-    const smr_mesh mesh = sheet(100.0f, 0.0f);
-    const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
-    for (uint32_t k = 0; k < sizeof row / sizeof row[0]; k++) {
-        smr_config c = smr_config_default();
-        c.partial.coverage = row[k].coverage;
-        c.basic.n_target_vertices = row[k].room;
-        c.track.mode = row[k].track;
-        const smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
-        assert_int_equal(row[k].partial, (s->shared.parts & SMR_PART_PARTIAL) != 0u);
     }
 }

@@ -136,16 +136,6 @@ TEST(test_shared)
     ends_alike(s, before);
 }
 
-/* Where a save holds these bytes. */
-static unsigned char *found_in(unsigned char *saved, size_t bytes, const void *what, size_t n)
-{
-    for (size_t at = 0; at + n <= bytes; at++)
-        if (memcmp(saved + at, what, n) == 0)
-            return saved + at;
-    fail_msg("not in the save");
-    return NULL;
-}
-
 static void refused_now(unsigned char *saved, size_t bytes)
 {
     smr_status status;
@@ -167,7 +157,7 @@ TEST(test_forged_values)
     smr *before = unit_save_begin(&u, 7);
     const smr_pose pose = before->shape.rest_pose;
     memcpy(saved, u.saved, u.bytes);
-    unsigned char *at = found_in(saved, u.bytes, &pose, sizeof pose);
+    unsigned char *at = unit_save_find(saved, &pose, sizeof pose);
     for (uint32_t i = 0; i < sizeof mix / sizeof mix[0]; i++) {
         smr_pose forged = pose;
         for (uint32_t k = 0; k < 9u; k++) {
@@ -185,7 +175,7 @@ TEST(test_forged_values)
     const uint64_t sum = smr_target_checksum(u.surface);
     list[1] = (uint32_t)sum;
     list[2] = (uint32_t)(sum >> 32);
-    at = found_in(saved, bytes, list, sizeof list);
+    at = unit_save_find(saved, list, sizeof list);
     list[4] = 1;
     memcpy(at, list, sizeof list);
     refused_now(saved, bytes);

@@ -79,7 +79,7 @@ TEST(test_forged_flags)
     smr_config config = smr_config_default();
     smr *s = start(0), *again;
     const smr_mesh later = rig_moved(&ball[0], (const float[9]){1, 0, 0, 0, 1, 0, 0, 0, 1}, (const float[3]){1, 2, 0});
-    size_t bytes, needed, at = 0;
+    size_t bytes, needed;
     const uint32_t one = 1;
     smr_verdict verdict;
     config.basic.iterations = config.basic.iterations_last = 2;
@@ -91,19 +91,14 @@ TEST(test_forged_flags)
         assert_int_equal(SMR_OK, smr_set_surface(s, i, surface[i]));
     while (!s->schedule.tracking)
         assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
-    assert_int_equal(SMR_OK, smr_arena_bytes(s->shared.model, &config, &needed));
+    assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes) + smr_arena_bytes(s->shared.model, &config, &needed));
     unsigned char *const saved = rig_alloc(bytes), *const arena = rig_alloc(needed);
     assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
     const smr_pose poses[2] = {s->shape.track_pose[0], s->shape.track_pose_last[0]};
-    while (memcmp(saved + at, poses, sizeof poses) != 0)
-        at++;
-    memcpy(saved + at - sizeof one, &one, sizeof one);
+    memcpy(unit_save_find(saved, poses, sizeof poses) - sizeof one, &one, sizeof one);
     const smr_target *t = s->forces.surface.target;
     const uint32_t words[] = {t->partial, t->n_visible, t->n_judged, t->measured, 0};
-    for (at = 0; memcmp(saved + at, words, sizeof words) != 0;)
-        at++;
-    memcpy(saved + at + 4u * sizeof one, &one, sizeof one);
+    memcpy(unit_save_find(saved, words, sizeof words) + 4u * sizeof one, &one, sizeof one);
     unit_save_seal(saved, bytes);
     assert_int_equal(SMR_OK, smr_restore(s->shared.model, NULL, NULL, saved, bytes, arena, needed, &again));
     assert_true(again->shape.track_rest->predicted && again->forces.surface.target[0].others);
