@@ -127,7 +127,7 @@ TEST(test_measured)
     const smr_mesh a = box(100, 200, -300, 10), b = box(108, 201, -300.5f, 10), in = box(103, 203, -297, 4),
                    edge = box(109.25f, 208.75f, -298, 10);
     const smr_mesh ball = rig_ball(20, 40, 64, none), next = rig_ball(20, 40, 64, aside),
-                   off = rig_ball(20, 24, 40, far);
+                   off = rig_ball(20, 24, 40, far), large = rig_ball(150, 40, 64, none);
     const smr_surface *surface = rig_surface(&a);
     smr_contact_report r = {-1, -1, -1, -1};
     smr_mesh open = a;
@@ -137,6 +137,7 @@ TEST(test_measured)
     const float h = 20.0f - 0.5f * sqrtf(37.0f * 37.0f + 10.0f);
     measures(&ball, &next, 2.0f * h, 2.09439510f * h * h * (60.0f - h), 6.2831853f * 20.0f * h * 1.05f);
     measures(&ball, &off, 0, 0, 0);
+    measures(&large, &ball, 100.0f, 33510.0f, 2513.0f); /* deeper than what counts */
     open.n_triangles = 11;
     assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&open), surface, 0.1f, &r));
     assert_true(r.deepest_mm == 0.0f && r.volume_mm3 == 0.0f && r.area_mm2 == 0.0f);

@@ -167,6 +167,11 @@ TEST(test_forged_values)
         memcpy(at, &forged, sizeof forged);
         refused_now(saved, u.bytes);
     }
+    memcpy(saved, u.saved, u.bytes);
+    for (size_t cut = 4; cut < 200u; cut += 4u) { /* ends before its last values do */
+        smr_log_put32(saved + 8, (uint32_t)(u.bytes - cut));
+        refused_now(saved, u.bytes - cut);
+    }
     (void)both(u.surface, u.surface, &before);
     size_t bytes;
     assert_int_equal(SMR_OK, smr_save_bytes(before, &bytes));
