@@ -1,6 +1,7 @@
 /* rig_parts.c: three balls in a row, for random registrations of several structures to surfaces and images.
  * SPDX-License-Identifier: MIT */
 #include "property/rig_parts.h"
+#include <math.h>
 #include <string.h>
 
 #define SIDE 36u /* voxels of an image */
@@ -91,4 +92,28 @@ smr_mesh rig_joined(const smr_mesh *mesh, uint32_t n)
     all.xyz = xyz;
     all.triangles = t;
     return all;
+}
+
+smr_mesh rig_seen_from(const smr_mesh *m, const float towards[3])
+{
+    uint32_t *t = rig_alloc(12u * (size_t)m->n_triangles);
+    smr_mesh part = {m->xyz, t, m->n_vertices, 0};
+    for (uint32_t i = 0; i < m->n_triangles; i++) {
+        const uint32_t *from = m->triangles + 3u * (size_t)i;
+        const float *a = m->xyz + 3u * from[0], *b = m->xyz + 3u * from[1], *c = m->xyz + 3u * from[2];
+        const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+        const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+        const float dot = n[0] * towards[0] + n[1] * towards[1] + n[2] * towards[2];
+        if (dot > 0.5f * sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
+            memcpy(t + 3u * (size_t)part.n_triangles++, from, 12u);
+    }
+    return part;
+}
+
+float rig_mean_far(const float *a, const float *b, uint32_t n)
+{
+    float sum = 0.0f;
+    for (uint32_t v = 0; v < n; v++)
+        sum += rig_far(a + 3u * (size_t)v, b + 3u * (size_t)v, 1);
+    return sum / (float)n;
 }

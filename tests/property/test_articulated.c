@@ -68,14 +68,6 @@ static uint32_t found(const smr_mesh *model, const smr_mesh *target, const smr_p
     return is_bent;
 }
 
-static float mean_far(const float *a, const float *b, uint32_t n)
-{
-    float sum = 0.0f;
-    for (uint32_t v = 0; v < n; v++)
-        sum += rig_far(a + 3u * (size_t)v, b + 3u * (size_t)v, 1);
-    return sum / (float)n;
-}
-
 TEST(test_bends)
 {
     static const float degrees[][2] = {{0, 50}, {0, 70}, {170, 120}}; /* a hairpin, whose sides lie close */
@@ -85,11 +77,11 @@ TEST(test_bends)
         const smr_port port = rig_port(RIG_SHUFFLE, 3);
         float *at = rig_alloc(12u * (size_t)rest.n_vertices), *again = rig_alloc(12u * (size_t)rest.n_vertices);
         assert_true(found(&rest, &target, &here, 0, NULL, at) == 1u);
-        assert_true(mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
+        assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
         assert_true(found(&rest, &target, &here, 997u, &port, again) == 1u);
         assert_memory_equal(at, again, 12u * (size_t)rest.n_vertices);
         assert_true(found(&rest, &cut, &here, 0, NULL, at) == 1u);
-        assert_true(mean_far(at, target.xyz, rest.n_vertices) < CUT_MM);
+        assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < CUT_MM);
         rig_free_all();
     }
 }
@@ -107,7 +99,7 @@ TEST(test_keeps_the_rest)
     float *at = rig_alloc(12u * (size_t)model.n_vertices);
     ((uint32_t *)(uintptr_t)model.triangles)[3u * model.n_triangles - 3u] = 0; /* begins at the limb's tip */
     assert_true(found(&model, &target, &here, 0, NULL, at) == 1u);
-    assert_true(mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
+    assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
     assert_true(rig_far(at + 3u * (size_t)rest.n_vertices, model.xyz + 3u * (size_t)rest.n_vertices, n) < 1.0e-3f);
     rig_free_all();
 }
