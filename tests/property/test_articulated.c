@@ -1,5 +1,5 @@
 /* test_articulated.c: start positions of one surface with a joint. A flat limb is bent by 50 and 70 degrees, and a
- * part of its end is cut off: vertices are found, with the same bits in pieces and with any scheduler; what no neighbour
+ * part of its end is cut off: vertices are found, with the same bits in pieces and with any scheduler; what nothing
  * joins stays. A limb that has not bent, that lies elsewhere, or that does not explain the target is left alone.
  * Accuracy, mean: 2 mm of a limb of 400 mm; 3 mm where the target shows nine tenths.
  * SPDX-License-Identifier: MIT */

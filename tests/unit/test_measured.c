@@ -193,8 +193,8 @@ TEST(test_search_that_ends)
     assert_true(similarity(s) == 0.0f && seen_share(s) == 0.0f);
 }
 
-/* A model on a part of itself, or on all of a larger one; as points, which have no normals, with goals: a pose from what
- * has a goal; expected errors where normals say what is seen, also where nothing has moved at all. */
+/* A model on a part of itself, or on all of a larger one; as points, which have no normals, with goals: a pose from
+ * what has a goal; expected errors where normals say what is seen, also where nothing has moved at all. */
 TEST(test_pose_of_a_part)
 {
     for (uint32_t k = 0; k < 3u; k++) {
