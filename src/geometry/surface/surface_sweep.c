@@ -60,7 +60,8 @@ void smr_sweep_point(const smr_sweep *s, smr_vec p, float third, const smr_sweep
         return;
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
-    smr_tree_try(&s->b->tree, NULL, &q, middle->warm, &hit);
+    if (middle->warm != SMR_NONE)
+        smr_tree_try(&s->b->tree, NULL, &q, middle->warm, &hit);
     if (SMR_SQRT(hit.d2) <= smr_min(s->within, smr_max(f->deepest, s->found.deepest))) {
         f->sum += third;
         return;
