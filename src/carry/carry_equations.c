@@ -38,8 +38,6 @@ static float diagonal(const smr_carry_site *s, uint32_t i)
 
 void smr_carry_fill(const smr_carry *c, smr_carry_site *s)
 {
-    s->far[0] = s->inverse[0] = 0.0f;
-    s->part[0] = 1.0f;
     growths(c, s, smr_carry_place(s, 0), 1, s->n, s->far);
     for (uint32_t i = 1; i < s->n; i++) {
         float *row = s->lower + i * SMR_CARRY_WIDTH;

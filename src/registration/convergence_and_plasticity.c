@@ -29,7 +29,7 @@ static int stalls(const smr *s, uint32_t radius_iteration)
     const smr_force_totals *f = &s->forces.totals; /* vertices without a goal count as at rest */
     const float way = f->goal_mean * (float)f->n_forces / (float)smr_max_u32(s->schedule.n_active, 1u);
     const float share = c->settle_share * smr_model_lists(s->shared.model, first).radius / s->schedule.lists.radius;
-    return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST && s->schedule.repairing == 0u &&
+    return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST && /* none of a fold repair */
            !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) && s->evolve.mean_mm <= share * way;
 }
 
@@ -56,11 +56,10 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
     return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 
-/* Returns 0 in tracking and dynamics: there x^r is tracking's rest shape in new poses (tracking_rest_shape.c). */
 int smr_plastic_ahead(const smr *s)
 {
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);
-    return !s->schedule.tracking && s->shape.dynamics == NULL && smr_plastic_due(s, &e, s->schedule.since_plastic + 1u);
+    return smr_plastic_due(s, &e, s->schedule.since_plastic + 1u);
 }
 
 void smr_plastic_update(smr *s)

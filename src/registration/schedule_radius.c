@@ -89,7 +89,7 @@ float smr_radius_progress(const smr *s)
 static int few_suffice(const smr *s)
 {
     const int coarse = s->shared.config.motion.settle_share > 0.0f && !smr_at_last_radius(&s->shared, &s->schedule) &&
-                       !s->schedule.done && !s->schedule.tracking && !s->shared.config.dynamics.mode;
+                       !s->schedule.tracking && !s->shared.config.dynamics.mode;
     return s->shared.config.schedule.active_enough > 0u && (s->forces.image.has_image || coarse);
 }
 

@@ -29,8 +29,10 @@ smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration); /* judges thi
 
 /* Returns 1 when x^r must be set to x after an iteration with this ending, since_plastic iterations after the last. */
 int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic);
-int smr_plastic_ahead(const smr *s); /* 1: x^r will be set to x when the current iteration is complete */
-void smr_plastic_update(smr *s);     /* sets x^r to x; smr_plastic_normals() must follow for the normals */
+/* Returns 1 when x^r will be set to x after the current iteration. In tracking and dynamics x^r is the rest shape in
+ * new poses instead (tracking_rest_shape.c). */
+int smr_plastic_ahead(const smr *s);
+void smr_plastic_update(smr *s); /* sets x^r to x; smr_plastic_normals() must follow for the normals */
 void smr_plastic_positions(smr_shape *shape);
 void smr_plastic_normals(smr_shape *shape);
 

@@ -1,6 +1,8 @@
 /* rig_parts.c: three balls in a row, for random registrations of several structures to surfaces and images.
  * SPDX-License-Identifier: MIT */
 #include "property/rig_parts.h"
+#include <math.h>
+#include <string.h>
 
 #define SIDE 36u /* voxels of an image */
 
@@ -70,4 +72,48 @@ void rig_parts_forces(smr_config *config, uint32_t seed)
     config->dynamics.gravity[1] = -9810.0f;
     config->dynamics.step_ms = (float)(1u + (seed >> 14 & 63u));
     config->contact.share = config->dynamics.mode ? 0.0f : (float)(seed >> 13 & 1u);
+}
+
+smr_mesh rig_joined(const smr_mesh *mesh, uint32_t n)
+{
+    smr_mesh all = {NULL, NULL, 0, 0};
+    for (uint32_t i = 0; i < n; i++) {
+        all.n_vertices += mesh[i].n_vertices;
+        all.n_triangles += mesh[i].n_triangles;
+    }
+    float *xyz = rig_alloc(12u * (size_t)all.n_vertices);
+    uint32_t *t = rig_alloc(12u * (size_t)all.n_triangles), vertex = 0, at = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(xyz + 3u * (size_t)vertex, mesh[i].xyz, 12u * (size_t)mesh[i].n_vertices);
+        for (uint32_t k = 0; k < 3u * mesh[i].n_triangles; k++)
+            t[at++] = mesh[i].triangles[k] + vertex;
+        vertex += mesh[i].n_vertices;
+    }
+    all.xyz = xyz;
+    all.triangles = t;
+    return all;
+}
+
+smr_mesh rig_seen_from(const smr_mesh *m, const float towards[3])
+{
+    uint32_t *t = rig_alloc(12u * (size_t)m->n_triangles);
+    smr_mesh part = {m->xyz, t, m->n_vertices, 0};
+    for (uint32_t i = 0; i < m->n_triangles; i++) {
+        const uint32_t *from = m->triangles + 3u * (size_t)i;
+        const float *a = m->xyz + 3u * from[0], *b = m->xyz + 3u * from[1], *c = m->xyz + 3u * from[2];
+        const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+        const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+        const float dot = n[0] * towards[0] + n[1] * towards[1] + n[2] * towards[2];
+        if (dot > 0.5f * sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
+            memcpy(t + 3u * (size_t)part.n_triangles++, from, 12u);
+    }
+    return part;
+}
+
+float rig_mean_far(const float *a, const float *b, uint32_t n)
+{
+    float sum = 0.0f;
+    for (uint32_t v = 0; v < n; v++)
+        sum += rig_far(a + 3u * (size_t)v, b + 3u * (size_t)v, 1);
+    return sum / (float)n;
 }

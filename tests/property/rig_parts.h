@@ -29,4 +29,13 @@ smr_config rig_parts_config(uint32_t *seed);
 /* In some, where the rest of it allows: dynamics, or contact. */
 void rig_parts_forces(smr_config *config, uint32_t seed);
 
+/* Meshes as one. */
+smr_mesh rig_joined(const smr_mesh *mesh, uint32_t n);
+
+/* The triangles whose normals lie within 60 degrees of a direction, a unit vector; all vertices. */
+smr_mesh rig_seen_from(const smr_mesh *mesh, const float towards[3]);
+
+/* Mean distance between equally numbered points. */
+float rig_mean_far(const float *a, const float *b, uint32_t n);
+
 #endif

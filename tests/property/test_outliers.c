@@ -8,6 +8,7 @@
 
 #include "registration/registration.h"
 #include "rig_cloud.h"
+#include "rig_parts.h"
 #include "unit/oracle.h"
 
 static smr_mesh source, target;
@@ -15,16 +16,11 @@ static smr_mesh source, target;
 /* The target, and n copies of it, each farther along x by `apart` mm. */
 static smr_mesh with_copies(uint32_t n, float apart)
 {
-    const uint32_t nv = target.n_vertices, nt = target.n_triangles;
-    float *xyz = rig_alloc((n + 1u) * 3u * (size_t)nv * sizeof *xyz);
-    uint32_t *triangles = rig_alloc((n + 1u) * 3u * (size_t)nt * sizeof *triangles);
-    for (uint32_t k = 0; k <= n; k++) {
-        for (uint32_t i = 0; i < 3u * nv; i++)
-            xyz[3u * (size_t)nv * k + i] = target.xyz[i] + (i % 3u == 0u ? apart * (float)k : 0.0f);
-        for (uint32_t i = 0; i < 3u * nt; i++)
-            triangles[3u * (size_t)nt * k + i] = target.triangles[i] + nv * k;
-    }
-    return (smr_mesh){.xyz = xyz, .n_vertices = (n + 1u) * nv, .triangles = triangles, .n_triangles = (n + 1u) * nt};
+    smr_mesh all[41];
+    for (uint32_t k = 0; k <= n; k++)
+        all[k] =
+            rig_moved(&target, (const float[9]){1, 0, 0, 0, 1, 0, 0, 0, 1}, (const float[3]){apart * (float)k, 0, 0});
+    return rig_joined(all, n + 1u);
 }
 
 static smr *onto_mesh(const smr_mesh *mesh, smr_verdict *verdict)
@@ -41,11 +37,7 @@ static smr *onto_mesh(const smr_mesh *mesh, smr_verdict *verdict)
 /* Mean distance between the vertices of two results, mm. */
 static float apart(const smr *a, const smr *b)
 {
-    const float *p = rig_positions(a, a->shared.model), *q = rig_positions(b, b->shared.model);
-    float sum = 0.0f;
-    for (size_t v = 0; v < source.n_vertices; v++)
-        sum += smr_length(smr_sub(smr_load(p + 3u * v), smr_load(q + 3u * v)));
-    return sum / (float)source.n_vertices;
+    return rig_mean_far(rig_positions(a, a->shared.model), rig_positions(b, b->shared.model), source.n_vertices);
 }
 
 /* Bodies of one to five times the model's area beside it: the model ends where it ends without them. */

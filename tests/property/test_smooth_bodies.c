@@ -6,7 +6,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
-#include "rig.h"
+#include "rig_parts.h"
 
 #define FARTHER 1.25f        /* than the start, at most: a rod may turn about its axis */
 #define BODIES_MM 2.3f       /* in the mean over all views */
@@ -69,32 +69,6 @@ static void bend(float *xyz, uint32_t n)
     }
 }
 
-/* The triangles whose normals lie within 60 degrees of a direction. */
-static smr_mesh seen_from(const smr_mesh *m, const float towards[3])
-{
-    uint32_t *t = rig_alloc(12u * (size_t)m->n_triangles);
-    smr_mesh part = {m->xyz, t, m->n_vertices, 0};
-    for (uint32_t i = 0; i < m->n_triangles; i++) {
-        const uint32_t *from = m->triangles + 3u * (size_t)i;
-        const float *a = m->xyz + 3u * from[0], *b = m->xyz + 3u * from[1], *c = m->xyz + 3u * from[2];
-        const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-        const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-        const float dot = n[0] * towards[0] + n[1] * towards[1] + n[2] * towards[2];
-        if (dot > 0.5f * sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
-            memcpy(t + 3u * (size_t)part.n_triangles++, from, 12u);
-    }
-    return part;
-}
-
-/* Mean distance between equally numbered points. */
-static float mean_off(const float *a, const float *b, uint32_t n)
-{
-    float sum = 0.0f;
-    for (uint32_t v = 0; v < n; v++)
-        sum += rig_far(a + 3u * (size_t)v, b + 3u * (size_t)v, 1);
-    return sum / (float)n;
-}
-
 /* Registers with the defaults from where they are: the mean distance of vertices to their true places. */
 static float registered(const smr_mesh *mesh, const smr_mesh *target, const float *truth, float *expected)
 {
@@ -110,7 +84,7 @@ static float registered(const smr_mesh *mesh, const smr_mesh *target, const floa
         for (uint32_t v = 0; v < mesh->n_vertices; v++)
             *expected += each[v] / (float)mesh->n_vertices;
     }
-    return mean_off(rig_positions(s, model), truth, mesh->n_vertices);
+    return rig_mean_far(rig_positions(s, model), truth, mesh->n_vertices);
 }
 
 /* The mean of values over the vertices whose x lies within low..high, mm. */
@@ -178,8 +152,8 @@ TEST(parts_of_bodies)
         bend(xyz, whole.n_vertices);
         whole.xyz = xyz;
         for (uint32_t k = 0; k < rig_times(3); k++) {
-            const smr_mesh part = seen_from(&whole, towards[k]);
-            const float start = mean_off(mesh.xyz, truth, mesh.n_vertices),
+            const smr_mesh part = rig_seen_from(&whole, towards[k]);
+            const float start = rig_mean_far(mesh.xyz, truth, mesh.n_vertices),
                         off = registered(&mesh, &part, truth, &expected);
             if (!(off <= FARTHER * start))
                 fail_msg("%s, view %u: %g mm off, %g at the start", bodies[i].name, k, (double)off, (double)start);

@@ -134,16 +134,38 @@ TEST(near_ones_end_where_room_or_budget_do)
 /* The path that limits what searches know is never shorter than the sum of small displacements, whatever is rounded. */
 TEST(path_of_small_steps)
 {
-    const smr_shared shared = {.n = 0};
-    uint16_t other = 1;
-    smr_surface_goals g = {.shared = &shared, .other = &other, .path = 7.0f};
+    const smr_shared shared = {.n_structures = 1, .config.basic.n_workers = 1};
+    smr_target target = {.path = 7.0f};
+    smr_surface_goals g = {.shared = &shared, .target = &target};
     double sum = 7.0;
     for (uint32_t i = 0; i < 300000u; i++) {
         const float moved = 1.0e-7f * (float)(i % 7u);
-        smr_certainties_age(&g, moved);
+        float most2 = moved * moved;
+        smr_certainties_age(&g, &most2);
         sum += (double)moved;
-        assert_true((double)g.path >= sum);
+        assert_true((double)target.path >= sum && most2 == 0.0f);
     }
-    smr_certainties_age(&g, 8.0f);
-    assert_true(g.path == 0.0f);
+    smr_certainties_age(&g, (float[1]){64});
+    assert_true(target.path == 0.0f);
+}
+
+/* Copies of a triangle, all at one distance, which may be the search's; and a ball of which others are asked for that
+ * lie far from the closest. */
+TEST(many_at_one_distance)
+{
+    unit_mesh copies = unit_mesh_new(3, 1000), ball = unit_sphere(4, 40, 0);
+    memcpy(copies.xyz, (const float[9]){0, 0, 0, 8, 0, 0, 0, 8, 0}, 9u * sizeof *copies.xyz);
+    for (uint32_t i = 0; i < 3u * copies.nt; i++)
+        copies.triangles[i] = i % 3u;
+    for (uint32_t k = 0; k < 3u; k++) {
+        smr_surface *s = unit_surface(k < 2u ? &copies : &ball);
+        const smr_vec at = k < 2u ? smr_v(1, 1, 2) : smr_v(1, 2, 90);
+        const smr_query q = {smr_sub(at, s->origin), {0, 0, 0}, -2.0f, UINT32_MAX, SMR_NONE};
+        smr_hit hit = {k == 1u ? 4.0f : 10000.0f, SMR_NONE, {0, 0, 0}};
+        smr_certainty known = {k < 2u ? -1.0f : 60.0f, 0.0f, 0, NULL};
+        assert_int_equal(1, smr_surface_search_known(s, NULL, &q, &hit, &known));
+        const float mm = SMR_SQRT(hit.d2);
+        assert_true(k < 2u ? mm == 2.0f && known.other_mm == 0.0f : smr_abs(known.other_mm - mm) < 0.1f);
+        rig_free(s);
+    }
 }

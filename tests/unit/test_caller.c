@@ -191,6 +191,8 @@ TEST(test_broken)
     size_t bytes = 0;
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
     assert_int_equal(SMR_E_STATE, smr_save(s, rig_alloc(bytes), bytes)); /* nor can it be saved */
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL));               /* which starts the iteration over */
+    assert_int_equal(SMR_E_STATE, smr_save(s, rig_alloc(bytes), bytes));
     assert_int_equal(SMR_OK, smr_set_force(s, forgets_weights, &calls));
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_force(s, draw, &p)); /* not a number */

@@ -264,6 +264,9 @@ TEST(wrong_calls_change_nothing)
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory, bytes, &carry), SMR_OK);
     memcpy(copy, memory, sizeof(struct smr_carry)); /* its first slot */
     assert_int_equal(smr_carry_apply((smr_carry *)(void *)copy, m.xyz, out), SMR_E_STATE);
+    carry->magic ^= 1u;
+    assert_int_equal(smr_carry_apply(carry, m.xyz, out), SMR_E_STATE);
+    carry->magic ^= 1u;
     assert_int_equal(smr_carry_apply(carry, NULL, out), SMR_E_NULL);
     assert_int_equal(smr_carry_map(carry, m.xyz, 2, p, 1, out, NULL), SMR_E_INPUT);
     p[0] = 2.0f * SMR_COORD_MAX;

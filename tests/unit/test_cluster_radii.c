@@ -48,7 +48,7 @@ static void check(const unit_mesh *m, const smr_model_info *info)
 TEST(models_of_every_kind)
 {
     oracle_random r = oracle_seed(180);
-    unit_mesh m[10] = {unit_bone(0),
+    unit_mesh m[11] = {unit_bone(0),
                        unit_sphere(0, 1.0f, 0.0f),
                        unit_sphere(4, 60000.0f, 0.0f),
                        unit_grid(1, 1, 0.01f),
@@ -57,7 +57,9 @@ TEST(models_of_every_kind)
                        unit_points(&r, 1, 5.0f, 1.0f),
                        unit_points(&r, 2, 5.0f, 1e-4f),
                        unit_points(&r, 500, 5.0f, 100.0f),
-                       unit_points(&r, 30, 0.0f, 0.0f)};
+                       unit_points(&r, 30, 0.0f, 0.0f),
+                       unit_points(&r, 2000, 0.001f, 0.0f)};
+    m[10].xyz[0] = 90000.0f; /* all in one place but one: clusters hold as many, however small the radius */
     for (size_t i = 0; i < sizeof m / sizeof m[0]; i++) {
         const smr_model_info info = info_of(&m[i]);
         check(&m[i], &info);

@@ -2,7 +2,11 @@
  * edges, shared and separate, with and without mesh neighbours, for meshes and for points with exact ties.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
+#include <math.h>
+#include <string.h>
+#include "registration/registration.h"
 #include "unit_lists.h"
+#include "unit_save.h"
 
 /* Compares every radius of the image with brute force. */
 static void check_image(const unit_image *image, int geodesic, int ring)
@@ -78,6 +82,51 @@ static void check_coarse(const smr_model *m, uint32_t radius)
     rig_free(sum);
 }
 
+/* Dynamics needs a last radius whose clusters hold all vertices. */
+static void moves_all_vertices(const smr_model *model, uint32_t coarse)
+{
+    smr_config config = smr_config_default();
+    size_t bytes;
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    for (config.schedule.radius_last = coarse - 1u; config.schedule.radius_last <= coarse;
+         config.schedule.radius_last++)
+        assert_int_equal(config.schedule.radius_last < coarse ? SMR_E_CONFIG : SMR_OK,
+                         smr_arena_bytes(model, &config, &bytes));
+}
+
+/* A save in which more vertices are active than the clusters of the radius hold. */
+static void refuses_too_many(const smr_model *model)
+{
+    const smr_config config = smr_config_default();
+    size_t bytes, needed;
+    smr *s = rig_init(model, &config, NULL), *again = NULL;
+    assert_int_equal(SMR_OK,
+                     smr_tick(s, 0, NULL) + smr_save_bytes(s, &bytes) + smr_arena_bytes(model, &config, &needed));
+    unsigned char *const saved = rig_alloc(bytes), *const arena = rig_alloc(needed);
+    assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
+    const smr_schedule *p = &s->schedule;
+    const uint32_t words[] = {p->n_active, p->n_active_chosen, p->n_set, p->serial}, more = p->lists.members + 1u;
+    memcpy(unit_save_find(saved, words, sizeof words), &more, sizeof more);
+    unit_save_seal(saved, bytes);
+    assert_int_equal(SMR_E_SAVE, smr_restore(model, NULL, NULL, saved, bytes, arena, needed, &again));
+}
+
+/* One cluster of so many vertices that weights in the usual unit would add up beyond what centres allow: it falls. */
+static void falls(const unit_mesh *m)
+{
+    const smr_prepare_config one = rig_radii(1, 200, 0, 0);
+    smr_config config = smr_config_default();
+    unit_image image = unit_prepare_mesh(m, &one);
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    config.dynamics.gravity[2] = -9810.0f;
+    smr *s = rig_init(image.model, &config, NULL);
+    (void)rig_run(s, 2u * SMR_SWEEPS);
+    const float *const x = rig_positions(s, image.model);
+    for (uint32_t v = 0; v < m->nv; v++)
+        assert_true(x[3u * v + 2u] < m->xyz[3u * v + 2u] && fabsf(x[3u * v] - m->xyz[3u * v]) < 1.0e-3f);
+    unit_image_free(&image);
+}
+
 /* In a dense structure clusters of coarse radii hold the most important vertices only. */
 TEST(dense_structures)
 {
@@ -90,6 +139,13 @@ TEST(dense_structures)
     for (uint32_t k = 0; k < coarse; k++)
         check_coarse(image.model, k);
     assert_int_equal(smr_model_lists(image.model, coarse).members, m.nv);
+    moves_all_vertices(image.model, coarse);
+    refuses_too_many(image.model);
+    unit_image_free(&image);
+    falls(&m);
+    m.nt = 0; /* points may be anything */
+    image = unit_prepare_mesh(&m, &c);
+    assert_int_equal(0, smr_le32(image.model->coarse_radii));
     unit_image_free(&image);
     unit_mesh_free(&m);
 }

@@ -4,6 +4,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
+#include "property/rig_ball_image.h"
 #include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};
@@ -118,26 +119,27 @@ TEST(test_target_within_an_iteration)
     assert_true(r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
 }
 
-/* The image of a ball of 30 mm, 2 mm larger than the model. */
-static smr_volume ball_image(float radius)
+static float similarity(smr *s)
 {
-    float *voxels;
-    const smr_volume v = rig_cube(60, 1.5f, &voxels);
-    for (uint32_t i = 0; i < 60u * 60u * 60u; i++) {
-        const uint32_t at[3] = {i % 60u, i / 60u % 60u, i / 3600u};
-        float d2 = 0.0f;
-        for (uint32_t a = 0; a < 3u; a++) {
-            const float d = v.origin[a] + 1.5f * (float)at[a];
-            d2 += d * d;
-        }
-        voxels[i] = (float)(500.0 + 400.0 * tanh(((double)radius - sqrt((double)d2)) / 2.0));
-    }
-    return v;
+    smr_verdict v;
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    return v.image_similarity;
+}
+
+static float seen_share(const smr *s)
+{
+    unsigned char seen[400];
+    uint32_t n = 0;
+    assert_int_equal(SMR_OK, smr_get_visible(s, 0, seen));
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        n += seen[v];
+    return (float)n / (float)s->shared.n;
 }
 
 TEST(test_search_that_ends)
 {
-    const smr_volume reference = ball_image(28), target = ball_image(30);
+    static const smr_landmark mark = {0, SMR_NONE, {28, 0, 0}, {30, 0, 0}, 1.0f, 0};
+    const smr_volume reference = rig_ball_image(28, rig_nowhere), target = rig_ball_image(30, rig_nowhere);
     const smr_mesh mesh = rig_ball(28, 9, 14, none);
     smr_prepare_config prepare = rig_radii(2, 20, 10, 0);
     smr_config c = smr_config_default_image();
@@ -148,6 +150,7 @@ TEST(test_search_that_ends)
     c.image.profile_mm = 6.0f;
     c.image.gradient_mm = 2.0f;
     c.image.profile_end_mm = c.image.gradient_end_mm = 0.0f;
+    c.partial.n_landmarks = 1;
     smr *s = rig_init(rig_model(&mesh, 1, &prepare), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));
     while (r.done == 0u) {
@@ -163,6 +166,20 @@ TEST(test_search_that_ends)
         }
     }
     assert_true(idle > 0u && last > 0.5f);
+    assert_true(seen_share(s) > 0.95f && similarity(s) > 0.5f); /* compared where the vertices are now */
+    c.track.mode = SMR_TRACK_RECOVER;
+    smr *tracks = rig_init(s->shared.model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(tracks, &target));
+    while (!tracks->schedule.tracking)
+        (void)rig_run(tracks, 1);
+    assert_int_equal(SMR_OK, smr_set_landmarks(tracks, &mark, 1));
+    assert_int_equal(SMR_OK, smr_set_landmarks(tracks, NULL, 0)); /* gone before an iteration has seen them */
+    (void)rig_run(tracks, 1);
+    assert_int_equal(SMR_IMAGE_CURRENT, tracks->schedule.image_age);
+    assert_int_equal(SMR_OK, smr_set_landmarks(tracks, &mark, 1)); /* newer than the image, whose goals stay */
+    (void)rig_run(tracks, 100);
+    assert_true(tracks->schedule.image_age == SMR_IMAGE_PAST && seen_share(tracks) > 0.9f);
+    c.track.mode = SMR_TRACK_OFF;
     c.image.profile_mm = c.image.gradient_mm = 0.0f; /* never sought at all */
     s = rig_init(s->shared.model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));
@@ -170,4 +187,62 @@ TEST(test_search_that_ends)
     assert_int_equal(1, r.done);
     is_unmeasured(&r);
     assert_true(r.details.matched_share == -1.0f && part_of(s, 0).matched_share == -1.0f);
+    assert_true(similarity(s) > 0.5f);
+    float *const point = rig_alloc(3u * sizeof *point * mesh.n_vertices); /* all in one place, without normals */
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, point));
+    assert_true(similarity(s) == 0.0f && seen_share(s) == 0.0f);
+}
+
+/* A model on a part of itself, or on all of a larger one; as points, which have no normals, with goals: a pose from
+ * what has a goal; expected errors where normals say what is seen, also where nothing has moved at all. */
+TEST(test_pose_of_a_part)
+{
+    for (uint32_t k = 0; k < 3u; k++) {
+        smr_mesh ball = rig_ball(20, 9, 14, none), goal = rig_ball(k > 0u ? 21 : 20, 9, 14, none);
+        const smr_prepare_config radii = rig_radii(2, 15, 8, 0);
+        smr_config config = smr_config_default();
+        float mm, expected[400];
+        smr_pose pose;
+        config.caller.goals = k == 2u;
+        config.partial.coverage = k == 0u ? SMR_COVERAGE_PARTIAL : SMR_COVERAGE_AUTO;
+        goal.n_triangles /= k == 0u ? 2u : 1u;
+        ball.n_triangles = k < 2u ? ball.n_triangles : 0u;
+        smr *s = rig_init(rig_model(&ball, 1, &radii), &config, NULL);
+        assert_int_equal(SMR_OK,
+                         k < 2u ? smr_set_surface(s, 0, rig_surface(&goal)) : smr_set_goals(s, 0, goal.xyz, NULL));
+        for (uint32_t i = 0; i < 40u; i++) {
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+            assert_int_equal(SMR_OK, smr_get_pose(s, 0, &pose, &mm));
+            assert_true(mm >= 0.0f && mm < 1.1f && fabsf(pose.m[0][0] - 1.0f) < 0.01f && fabsf(pose.m[2][3]) < 0.1f);
+        }
+        if (k == 0u)
+            memcpy(s->shape.x, s->shape.start, 3u * s->shared.n * sizeof *s->shape.x);
+        assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, expected));
+        for (uint32_t v = 0; v < ball.n_vertices; v++)
+            assert_true(k < 2u ? expected[v] >= 0.0f && expected[v] < 40.0f : expected[v] == -1.0f);
+    }
+}
+
+/* Structures that have turned far against each other are in doubt together, but not in tracking. */
+TEST(test_structures_turned_apart)
+{
+    const smr_surface *goal[2], *far;
+    smr *s = start(NULL, goal, &far);
+    smr_verdict v;
+    float m[9];
+    rig_rotation(1, 0, 0, 100, m);
+    for (uint32_t i = 0; i < 2u; i++)
+        assert_int_equal(SMR_OK, smr_set_surface(s, i, goal[i]));
+    for (uint32_t turned = 0; turned < 3u; turned++) { /* not yet; turned; likewise in tracking */
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        for (uint32_t i = 0; i < s->shared.n && turned > 0u; i++)
+            if (smr_model_owner(s->shared.model, i) == 1u)
+                smr_put3(s->shape.x, i, smr_mul(m, smr_get3(s->shape.start, i)));
+        s->schedule.tracking = turned == 2u;
+        smr_guard_close(s);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &v));
+        assert_int_equal(turned == 1u, (v.reasons & SMR_REASON_ROTATION) != 0u);
+        s->schedule.tracking = 0;
+        smr_guard_close(s);
+    }
 }

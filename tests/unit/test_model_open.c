@@ -167,7 +167,12 @@ TEST(forged_levels)
         const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
         const uint32_t *along = smr_at(m, m->at_along);
         const smr_stored_radius *r = smr_at(m, m->at_radii);
-        assert_true(n_levels >= 2u && n_levels < SMR_LEVELS_MAX);
+        uint32_t *const coarse = (uint32_t *)(uintptr_t)&m->coarse_radii;
+        assert_true(n_levels >= 2u && n_levels < SMR_LEVELS_MAX && smr_le32(r[0].active_min) > 1u);
+        *coarse = smr_le32(1); /* clusters of the first radius hold too many vertices, or fewer than are active */
+        assert_int_equal(open_with(&w, &m->coarse_vertices, n + 1u), SMR_E_MODEL);
+        assert_int_equal(open_with(&w, &m->coarse_vertices, 1u), SMR_E_MODEL);
+        *coarse = 0;
         assert_int_equal(open_with(&w, &m->n_levels, n_levels), SMR_OK);
         const uint32_t bad[] = {0u, n_levels - 1u, n_levels + 1u, SMR_LEVELS_MAX + 1u, SMR_ALL};
         for (uint32_t i = 0; i < 5u; i++)
@@ -185,6 +190,9 @@ TEST(forged_levels)
             assert_int_equal(open_with(&w, &r[k].active_min, 0u), SMR_E_MODEL);
             assert_int_equal(open_with(&w, &r[k].active_min, n + 1u), SMR_E_MODEL);
             assert_int_equal(open_with(&w, &r[k].active_min, 1u), SMR_OK); /* too few, but harmless */
+            assert_int_equal(open_with(&w, &r[k].largest, 0u), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &r[k].largest, n + 1u), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &r[k].n_blocks, n + 1u), SMR_E_MODEL);
         }
         unmake(&w);
     }
@@ -264,13 +272,16 @@ TEST(forged_blocks)
     const uint32_t counts[] = {0, n_blocks - 1u, n_blocks + 1u, n + 1u, SMR_ALL};
     for (uint32_t i = 0; i < 5u; i++)
         assert_int_equal(open_with(&w, &r->n_blocks, counts[i]), SMR_E_MODEL);
+    const uint32_t *const entry = smr_at(m, r->at_entries); /* of 16 bits: vertex and parent, numbers of indexes */
+    const uint32_t first = smr_le32(entry[0]), other = smr_le32(entry[2u * (n - 1u)]) & 0xffffu; /* in another block */
+    assert_int_equal(open_with(&w, &entry[0], (first & 0xffff0000u) | other), SMR_E_MODEL);
     for (uint32_t k = 0; k <= n_blocks; k++) {
         const uint32_t before = k > 0u ? smr_le32(b[k - 1u].first) : 1u;
         const uint32_t from = k > 0u && smr_le32(b[k - 1u].first_index) > 0u ? 0u : 1u;
-        const uint32_t first[] = {before, n + 1u, SMR_ALL}, first_index[] = {from, n_indexes + 1u, SMR_ALL};
+        const uint32_t begin[] = {before, n + 1u, SMR_ALL}, index[] = {from, n_indexes + 1u, SMR_ALL};
         for (uint32_t i = 0; i < 3u; i++) {
-            assert_int_equal(open_with(&w, &b[k].first, first[i]), SMR_E_MODEL);
-            assert_int_equal(open_with(&w, &b[k].first_index, first_index[i]), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &b[k].first, begin[i]), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &b[k].first_index, index[i]), SMR_E_MODEL);
         }
     }
     unit_image_free(&w.image);
@@ -309,6 +320,20 @@ TEST(forged_profiles)
         assert_int_equal(open_with(&w, bad[i].word, bad[i].value), SMR_E_MODEL);
 }
 
+/* A structure to which nothing belongs any more: harmless in use. */
+TEST(an_empty_structure)
+{
+    small_world w = make(0);
+    smr_stored_structure *r = (smr_stored_structure *)(uintptr_t)smr_model_record(w.image.model, 0);
+    r[0].n_vertices = r[1].first_vertex = w.image.model->n_vertices;
+    r[0].n_triangles = r[1].first_triangle = w.image.model->n_triangles;
+    r[1].n_vertices = r[1].n_triangles = 0;
+    memset((void *)(uintptr_t)smr_at(w.image.model, w.image.model->at_owner), 0, 2u * smr_le32(r[1].first_vertex));
+    unit_repair(w.image.bytes, w.image.size);
+    assert_int_equal(1, try_image(&w, w.image.bytes, w.image.size, "no vertex", 0));
+    unmake(&w);
+}
+
 TEST(views_refuse_politely)
 {
     small_world w = make(0);
@@ -326,4 +351,9 @@ TEST(views_refuse_politely)
     assert_int_equal(info.bytes, w.image.size);
     assert_int_equal(info.n_vertices, w.a.nv + w.b.nv);
     assert_int_equal(info.n_triangles, w.a.nt + w.b.nt);
+    const smr_config config = smr_config_default();
+    size_t bytes;
+    assert_int_equal(smr_arena_bytes(w.image.model, &config, &bytes), SMR_OK);
+    *(uint32_t *)(uintptr_t)&w.image.model->bytes = smr_le32(8); /* of a model that was open */
+    assert_int_equal(smr_arena_bytes(w.image.model, &config, &bytes), SMR_E_MODEL);
 }

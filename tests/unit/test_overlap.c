@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
-#include "registration/registration.h"
+#include "registration/tick/iteration_steps.h"
 
 #define STEP 5.0f    /* mm, of the sheets */
 #define RADIUS 20.0f /* mm, of the clusters */
@@ -51,6 +51,10 @@ TEST(which_targets_are_partial)
     assert_int_equal(s->forces.surface.partial, 1);
     s = judged(50.0f, SMR_COVERAGE_WHOLE);
     assert_null(s->forces.surface.visibility);
+    smr_config plain = smr_config_default();
+    plain.partial.coverage = SMR_COVERAGE_WHOLE;
+    plain.track.mode = SMR_TRACK_RECOVER; /* which needs no step for parts either, without images */
+    assert_int_equal(0, rig_init(s->shared.model, &plain, NULL)->shared.parts & SMR_PART_PARTIAL);
     assert_int_equal(s->forces.surface.partial, 0);
     for (uint32_t k = 0; k < 3u; k++) {
         const smr_mesh ball = rig_ball(30.0f, 13, 20, centre), goal = rig_ball(30.0f, 15, 22, k == 1u ? aside : centre);

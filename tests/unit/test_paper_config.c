@@ -38,11 +38,15 @@ static double edge(double out) { return 500.0 - 200.0 * tanh(out / 2.0); }
 /* The same, and 4 mm outwards a steeper edge of the other polarity. */
 static double two_edges(double out) { return edge(out) + 500.0 * tanh((out - 4.0) / 1.0); }
 
-static const smr_model *ball_model(const smr_volume *reference)
+/* No edge at all. */
+static double level(double out) { return (void)out, 300.0; }
+
+static const smr_model *ball_model(const smr_volume *reference, uint32_t samples)
 {
     const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
     smr_prepare_config c = rig_radii(1, 20, 0, 0);
     c.profile_inward = 0.5f;
+    c.profile_samples = samples;
     c.reference = reference;
     return rig_model(&mesh, 1, &c);
 }
@@ -84,7 +88,7 @@ static float mean_of(const float *value, uint32_t n)
 TEST(test_edge)
 {
     const smr_volume reference = image(edge), target = image(two_edges);
-    const smr_model *model = ball_model(&reference);
+    const smr_model *model = ball_model(&reference, 20);
     smr_config c = goals(0.0f, 8.0f);
     float way[512];
     const uint32_t n = ways(model, &c, &target, way);
@@ -93,13 +97,17 @@ TEST(test_edge)
     c.image.edge = SMR_EDGE_REFERENCE;
     assert_int_equal(n, ways(model, &c, &target, way));
     assert_true(fabsf(mean_of(way, n)) < 1.5f);
+    const smr_volume flat = image(level);
+    assert_int_equal(0, ways(model, &c, &flat, way));
+    c = goals(30.0f, 0.0f); /* a long search with few samples */
+    assert_true(ways(ball_model(&reference, 4), &c, &reference, way) > 200u && fabsf(mean_of(way, n)) < 1.5f);
 }
 
 /* Plainly averaged, a goal is the middle of both; by confidence it is not, and a doubtful profile is none. */
 TEST(test_blend)
 {
     const smr_volume reference = image(edge), target = image(two_edges);
-    const smr_model *model = ball_model(&reference);
+    const smr_model *model = ball_model(&reference, 20);
     smr_config both = goals(6.0f, 8.0f);
     const smr_config profile = goals(6.0f, 0.0f), gradient = goals(0.0f, 8.0f);
     float of_both[512], of_profile[512], of_gradient[512], apart = 0.0f;

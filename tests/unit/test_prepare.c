@@ -14,7 +14,7 @@ typedef struct bench {
     unsigned char *scratch, *image; /* exact */
 } bench;
 
-static bench set_up(void)
+static bench set_up_with(const smr_volume *reference)
 {
     bench b;
     b.mesh = unit_grid(9, 8, 3.0f);
@@ -25,12 +25,15 @@ static bench set_up(void)
     b.config.radius_mm[0] = 12.0f;
     b.config.radius_mm[1] = 5.0f;
     b.config.block_vertices = 16;
+    b.config.reference = reference;
     assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, &b.scratch_bytes), SMR_OK);
     b.scratch = rig_rough(b.scratch_bytes);
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &b.image_bytes), SMR_OK);
     b.image = rig_rough(b.image_bytes);
     return b;
 }
+
+static bench set_up(void) { return set_up_with(NULL); }
 
 static smr_status prepare(const bench *b)
 {
@@ -109,9 +112,9 @@ TEST(configurations_out_of_range)
     assert_int_equal(bytes, 77);
 }
 
-TEST(memory_to_the_byte)
+static void check_memory(const smr_volume *reference)
 {
-    bench b = set_up();
+    bench b = set_up_with(reference);
     assert_int_equal(prepare(&b), SMR_OK);
     size_t bytes = 4711;
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes - 1u, b.image, b.image_bytes, &bytes),
@@ -134,6 +137,18 @@ TEST(memory_to_the_byte)
         assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, b.image + off, 0, &bytes),
                          SMR_E_ALIGN);
     }
+}
+
+TEST(memory_to_the_byte)
+{
+    float *voxels;
+    smr_volume image = rig_cube(20, 2, &voxels);
+    check_memory(NULL);
+    check_memory(&image);
+    bench b = set_up_with(&image);
+    image.spacing[1] = 0.0f; /* no image any more */
+    assert_int_equal(prepare(&b), SMR_E_INPUT);
+    tear_down(&b);
 }
 
 /* The same bytes twice, with dirty scratch and dirty image memory, and in more memory than needed. */

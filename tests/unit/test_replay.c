@@ -227,6 +227,11 @@ TEST(test_refusals)
     assert_int_equal(SMR_E_STATE, smr_replay_start((smr *)(void *)zeros, unit_recorded.log, unit_recorded.bytes, NULL,
                                                    NULL, &replay));
     assert_int_equal(SMR_E_LOG, smr_replay_start(s, unit_recorded.log, 30, NULL, NULL, &replay));
+    static unsigned char log[UNIT_LOG_BYTES]; /* with another number of vertices */
+    memcpy(log, unit_recorded.log, unit_recorded.bytes);
+    smr_log_put32(log + 20, smr_log_get32(log + 20) + 1u);
+    smr_log_put32(log + smr_log_get32(log + 8) - 4u, smr_crc32(0, log, smr_log_get32(log + 8) - 4u));
+    assert_int_equal(SMR_E_MODEL, smr_replay_start(s, log, unit_recorded.bytes, NULL, NULL, &replay));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_E_STATE, smr_replay_start(s, unit_recorded.log, unit_recorded.bytes, NULL, NULL, &replay));
     assert_int_equal(SMR_E_NULL, smr_replay_tick(NULL, &report));

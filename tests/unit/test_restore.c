@@ -4,6 +4,7 @@
 #include "suite.h"
 #include <string.h>
 #include "log/record/log_format.h"
+#include "registration/registration.h"
 #include "unit/unit_log.h"
 #include "unit/unit_save.h"
 
@@ -93,6 +94,9 @@ TEST(test_other_inputs)
     awaits(s, 1);
     assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
     ends_alike(s, unit_save_begin(&u, 7));
+    s = restored();
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    assert_int_equal(SMR_E_INPUT, smr_set_volume(s, &u.volume));
 }
 
 /* A save of both balls onto these surfaces after three ticks, restored. */
@@ -130,6 +134,59 @@ TEST(test_shared)
     assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 1, u.copy));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, u.surface));
     ends_alike(s, before);
+}
+
+static void refused_now(unsigned char *saved, size_t bytes)
+{
+    smr_status status;
+    unit_save_seal(saved, bytes);
+    assert_null(unit_save_restored(&u, saved, bytes, 0, &status));
+    assert_int_equal(SMR_E_SAVE, status);
+}
+
+/* Values that no registration has, with a right checksum: a pose that is no similarity, by how it mixes the columns of
+ * a rotation, and a surface that is shared with a structure without one, or waited for although it is shared. */
+TEST(test_forged_values)
+{
+    static const float mix[][9] = {{1, 0, 0, 0, 2, 0, 0, 0, 1},
+                                   {1, 0, 0, 0, 1, 0, 0, 0, 2},
+                                   {1, 0.6f, 0, 0, 0.8f, 0, 0, 0, 1},
+                                   {1, 0, 0, 0, 1, 0.6f, 0, 0, 0.8f},
+                                   {1, 0, 0.6f, 0, 1, 0, 0, 0, 0.8f}};
+    static unsigned char saved[UNIT_SAVE_BYTES];
+    smr *before = unit_save_begin(&u, 7);
+    const smr_pose pose = before->shape.rest_pose;
+    memcpy(saved, u.saved, u.bytes);
+    unsigned char *at = unit_save_find(saved, &pose, sizeof pose);
+    for (uint32_t i = 0; i < sizeof mix / sizeof mix[0]; i++) {
+        smr_pose forged = pose;
+        for (uint32_t k = 0; k < 9u; k++) {
+            const float *row = pose.m[k / 3u], *m = mix[i] + k % 3u;
+            forged.m[k / 3u][k % 3u] = row[0] * m[0] + row[1] * m[3] + row[2] * m[6];
+        }
+        memcpy(at, &forged, sizeof forged);
+        refused_now(saved, u.bytes);
+    }
+    memcpy(saved, u.saved, u.bytes);
+    for (size_t cut = 4; cut < 200u; cut += 4u) { /* ends before its last values do */
+        smr_log_put32(saved + 8, (uint32_t)(u.bytes - cut));
+        refused_now(saved, u.bytes - cut);
+    }
+    (void)both(u.surface, u.surface, &before);
+    size_t bytes;
+    assert_int_equal(SMR_OK, smr_save_bytes(before, &bytes));
+    assert_int_equal(SMR_OK, smr_save(before, saved, sizeof saved));
+    uint32_t list[6] = {0, 0, 0, 0, 0, 0}; /* the structure with the same surface, and checksums */
+    const uint64_t sum = smr_target_checksum(u.surface);
+    list[1] = (uint32_t)sum;
+    list[2] = (uint32_t)(sum >> 32);
+    at = unit_save_find(saved, list, sizeof list);
+    list[4] = 1;
+    memcpy(at, list, sizeof list);
+    refused_now(saved, bytes);
+    const uint32_t none[6] = {SMR_NONE, 0, 0, 0, 0, 0};
+    memcpy(at, none, sizeof none);
+    refused_now(saved, bytes);
 }
 
 /* ---- logs */

@@ -156,6 +156,8 @@ TEST(test_states_refused)
     s = rig_init(u.model, &u.config, &wrong);
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL)); /* which starts the iteration over */
+    assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory));
     assert_int_equal(SMR_OK, smr_set_pose(s, &here));
     assert_int_equal(SMR_OK, smr_save(s, memory, sizeof memory));
     s = restored(0);

@@ -5,21 +5,24 @@
 #include <string.h>
 
 #include "property/rig_ball_image.h"
+#include "property/rig_cloud.h"
 #include "registration/registration.h"
 
 static const smr_model *model;
 static smr_surface *surface;
 static float *xyz;
 
-static smr *start(uint32_t what)
+static smr *start_with(uint32_t what, uint32_t dynamics)
 {
     static const float middle[3] = {0, 0, 0};
-    const smr_mesh ball = rig_ball(20, 9, 12, middle), goal = rig_ball(21, 10, 13, middle);
+    const smr_mesh ball = dynamics ? rig_ball(20, 30, 40, middle) : rig_ball(20, 9, 12, middle);
+    const smr_mesh goal = rig_ball(21, 10, 13, middle);
     const smr_prepare_config radii = rig_radii(3, 25, 12, 3);
     smr_config config = smr_config_default();
     config.basic.n_target_vertices = goal.n_vertices;
     config.basic.iterations_last = 4;
     config.basic.iterations = 2;
+    config.dynamics.mode = dynamics;
     model = rig_model(&ball, 1, &radii);
     surface = rig_surface(&goal);
     xyz = rig_alloc(3u * ball.n_vertices * sizeof *xyz);
@@ -29,6 +32,8 @@ static smr *start(uint32_t what)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     return s;
 }
+
+static smr *start(uint32_t what) { return start_with(what, SMR_DYNAMICS_OFF); }
 
 static void flip(const void *at, size_t byte)
 {
@@ -195,7 +200,12 @@ TEST(targets_are_shared)
                     assert_int_equal(t[k].surface == t[l].surface && t[k].changes == t[l].changes,
                                      t[k].body == t[l].body);
     }
+    smr_points *const cloud = rig_cloud(9);
+    assert_int_equal(SMR_OK, smr_points_add(cloud, ball[1].xyz, NULL, NULL, 9));
+    assert_int_equal(SMR_OK, smr_set_points(s, 1, cloud));
     assert_int_equal(SMR_OK, smr_scrub(s, 0));
+    flip(t[1].surface->xyz, 7);
+    assert_int_equal(SMR_E_DAMAGED, smr_scrub(s, 0));
 }
 
 /* Voxels and mask are inputs, too. */
@@ -221,23 +231,36 @@ TEST(images_are_scrubbed)
     }
 }
 
-/* The seal holds whatever is left of an iteration when a tick ends. */
+/* The seal holds whatever is left of an iteration when a tick ends, also in the first step of a time step. */
 TEST(the_seal_holds_between_pieces)
 {
-    rig_clock clock;
-    smr *s = start(0);
-    uint32_t partial = 0;
-    s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
-    smr_guard_close(s);
-    assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_STATE));
-    for (uint32_t i = 0; i < 300u; i++) {
-        const smr_status status = smr_tick(s, 1, NULL);
-        assert_true(status >= SMR_OK);
-        partial += status == SMR_PARTIAL;
+    for (uint32_t dynamics = SMR_DYNAMICS_OFF; dynamics <= SMR_DYNAMICS_ON; dynamics++) {
+        rig_clock clock;
+        smr *s = start_with(0, dynamics);
+        uint32_t partial = 0, at_first = 0;
+        smr_pose pose;
+        smr_verdict verdict[2];
+        float mm;
+        s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+        smr_guard_close(s);
+        assert_int_equal(SMR_OK, smr_set_scrub(s, SMR_SCRUB_STATE));
+        for (uint32_t i = 0; i < 300u; i++) {
+            const smr_status status = smr_tick(s, 1, NULL);
+            assert_true(status >= SMR_OK);
+            partial += status == SMR_PARTIAL;
+            assert_int_equal(SMR_OK, smr_get_pose(s, 0, &pose, &mm));
+            if (s->step > 0u || s->next_task > 0u)
+                assert_true(mm == -1.0f); /* nothing has been measured from there */
+            at_first += s->step == 0u && s->next_task > 0u;
+        }
+        assert_true(partial > 50u && (at_first > 0u) == (dynamics == SMR_DYNAMICS_ON));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        for (uint32_t i = 0; i < 2u; i++)
+            assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict[i]));
+        assert_memory_equal(&verdict[0], &verdict[1], sizeof verdict[0]);
+        flip(s->shape.x_ref, 10);
+        assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 1, NULL));
     }
-    assert_true(partial > 50u);
-    flip(s->shape.x_ref, 10);
-    assert_int_equal(SMR_E_DAMAGED, smr_tick(s, 1, NULL));
 }
 
 /* A call with a budget stops early and goes on; ticks take slices under a clock, too. */

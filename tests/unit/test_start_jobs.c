@@ -142,6 +142,19 @@ TEST(same_bits)
 
 static smr_status read(smr *s, float *xyz) { return smr_get_positions(s, 1, xyz); }
 
+/* A clock that asks for positions, within a step. */
+static struct {
+    const smr *s;
+    float *xyz;
+    smr_status status;
+} within;
+static uint64_t ask_within(void *ctx)
+{
+    (void)ctx;
+    within.status = smr_get_positions(within.s, 1, within.xyz);
+    return 0;
+}
+
 /* From the first position written to the end only this job, or a new pose, goes on. */
 TEST(kept_out)
 {
@@ -157,6 +170,11 @@ TEST(kept_out)
     assert_memory_equal(before, xyz, 12u * (size_t)e.source.n_vertices);
     for (smr_status status = SMR_OK; status == SMR_OK; status = read(s, xyz))
         assert_int_equal(SMR_PARTIAL, smr_job_step(&e.job, 1, NULL, 0));
+    const smr_port asks = {NULL, 1, NULL, ask_within};
+    within.s = s;
+    within.xyz = xyz;
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e.job, 1, &asks, 1));
+    assert_int_equal(SMR_E_STATE, within.status);
     for (uint32_t left = 0; left < 40u; left++) {
         assert_int_equal(SMR_E_STATE, read(s, xyz));
         assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
@@ -201,6 +219,16 @@ TEST(refused)
     assert_int_equal(SMR_E_SAVE, run(&e.job));
     assert_null(none);
     assert_int_equal(SMR_E_ARENA, smr_init_begin(e.model, &e.config, NULL, arena, arena_bytes - 1u, &none, &e.job));
+    saved[bytes / 2u] ^= 1u;
+    assert_int_equal(SMR_OK, smr_save_begin(s, saved, bytes, &e.job));
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&e.job, 1, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* which ends the save */
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e.job, 1, NULL, 0));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, e.target));
+    assert_int_equal(SMR_OK, smr_save_begin(s, saved, bytes, &e.job));
+    assert_int_equal(SMR_OK, smr_surface_refit(e.target, e.target->xyz)); /* an input that is being built */
+    assert_int_equal(SMR_E_STATE, smr_job_step(&e.job, 1, NULL, 0));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL));
     const smr_pose flat = {{{0}}};
     assert_int_equal(SMR_E_INPUT, smr_set_pose_begin(s, &flat, &e.job));
     assert_int_equal(SMR_E_NULL, smr_set_pose_begin(s, NULL, &e.job));

@@ -117,6 +117,30 @@ TEST(no_verdict_asks_for_scraps)
     }
 }
 
+/* A vertex without triangles changes nothing; with a stray triangle a surface is not closed. */
+TEST(contact_needs_a_closed_surface)
+{
+    const smr_mesh ball = rig_ball(20, 24, 40, (const float[3]){0, 0, 0});
+    const uint32_t n = ball.n_vertices, nt = ball.n_triangles;
+    float *xyz = rig_alloc(3u * sizeof *xyz * (n + 4u));
+    uint32_t *t = rig_alloc(3u * sizeof *t * (nt + 1u));
+    smr_contact_report r[3];
+    memcpy(xyz, ball.xyz, 3u * sizeof *xyz * n);
+    memcpy(t, ball.triangles, 3u * sizeof *t * nt);
+    for (uint32_t i = 0; i < 3u; i++) {
+        t[3u * nt + i] = n + 1u + i;
+        xyz[3u * (n + 1u + i) + i] = 5.0f;
+    }
+    for (uint32_t k = 0; k < 3u; k++) {
+        const smr_mesh mesh = {xyz, t, n + (k == 2u ? 4u : k), nt + (k == 2u)};
+        const smr_mesh other =
+            rig_moved(&ball, (const float[9]){1, 0, 0, 0, 1, 0, 0, 0, 1}, (const float[3]){38, 1, 0});
+        assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&mesh), rig_surface(&other), 0.2f, &r[k]));
+    }
+    assert_true(r[0].volume_mm3 > 50.0f && memcmp(&r[0], &r[1], sizeof r[0]) == 0);
+    assert_true(r[2].deepest_mm == 0.0f && r[2].volume_mm3 == 0.0f && r[2].area_mm2 == 0.0f);
+}
+
 /* New positions do not make scraps part of the surface. */
 TEST(a_refit_knows_them)
 {
@@ -174,7 +198,7 @@ TEST(samples_pass_scraps_by)
     for (uint32_t k = 0; k < 4u; k++) { /* scraps behind or before the ball, as it is or inside out */
         smr_align_side side = {.point = point, .normal = normal, .weight = weight, .pair = pair};
         const uint32_t first = k % 2u == 0u ? 0u : some.nv - ball.nv;
-        unit_mesh mesh = unit_mesh_new(some.nv, some.nt);
+        unit_mesh mesh = unit_mesh_new(some.nv + 1u, some.nt); /* the last vertex has no triangle */
         for (uint32_t i = 0; i < some.nv; i++)
             memcpy(mesh.xyz + 3u * ((i + first) % some.nv), some.xyz + 3u * i, 3u * sizeof *some.xyz);
         for (uint32_t i = 0; i < 3u * some.nt; i++)
@@ -184,7 +208,7 @@ TEST(samples_pass_scraps_by)
         assert_int_equal(90, s->n_fragment_vertices);
         assert_true(side.outward == (k < 2u ? 1.0f : -1.0f) && side.bare == 0u);
         for (uint32_t i = 0; i < SAMPLES; i++) {
-            const uint32_t v = first + (2u * i + 1u) * ball.nv / (2u * SAMPLES);
+            const uint32_t v = first + (2u * i + 1u) * (ball.nv + 1u) / (2u * SAMPLES);
             assert_memory_equal(&point[i], s->xyz + 3u * v, sizeof point[i]);
             assert_true(smr_dot(normal[i], smr_unit(smr_load(mesh.xyz + 3u * v))) > 0.95f);
             assert_true(weight[i] > 0.3f && weight[i] < 3.0f && pair[i].triangle == SMR_NONE);

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "options/track/track.h"
 #include "unit_moving_bone.h"
 
 static smr *started(const scene *e, const smr_port *port)
@@ -64,6 +65,21 @@ TEST(test_goes_ahead)
 }
 
 /* Most iterations for one target: also with a limit that is never reached. */
+/* Searches narrow over half of the iterations, of which one does, and no further. */
+TEST(test_narrows)
+{
+    static const float progress[][4] = {{0, 1, 1, 1}, {0, 0.5f, 1, 1}}; /* of 1 or 4 iterations, after 0, 1, 2, 9 */
+    scene e = make(SMR_TRACK_REPORT);
+    for (uint32_t k = 0; k < 2u; k++) {
+        e.config.track.iterations = k == 0u ? 1u : 4u;
+        smr *s = started(&e, NULL);
+        for (uint32_t i = 0; i < 4u; i++) {
+            s->schedule.radius_iteration = i < 3u ? i : 9u;
+            assert_true(smr_tracking_progress(s) == progress[k][i]);
+        }
+    }
+}
+
 TEST(test_gives_up)
 {
     scene e = make(SMR_TRACK_REPORT);

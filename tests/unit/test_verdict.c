@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "property/rig_parts.h"
 #include "registration/registration.h"
 #include "verdict/verdict_measures.h"
 
@@ -124,22 +125,17 @@ static smr *twisted(float degrees, float back)
 {
     const float at[2][3] = {{0, 0, 60}, {0, 0, -60}};
     const smr_mesh one = rig_ball(20, 9, 12, none);
-    const uint32_t n = one.n_vertices, nt = one.n_triangles;
-    float *const xyz = rig_alloc(12u * sizeof *xyz * n), *const to = xyz + 6u * (size_t)n;
-    uint32_t *const t = rig_alloc(6u * sizeof *t * nt);
     const smr_config config = smr_config_default();
+    smr_mesh put[2], turned[2];
     for (uint32_t k = 0; k < 2u; k++) {
         float m[9];
         rig_rotation(0, 0, 1, k == 0u ? degrees : -back * degrees, m);
-        const smr_mesh put = rig_ball(20, 9, 12, at[k]), turned = rig_moved(&one, m, at[k]);
-        memcpy(xyz + 3u * (size_t)n * k, put.xyz, 3u * sizeof *xyz * n);
-        memcpy(to + 3u * (size_t)n * k, turned.xyz, 3u * sizeof *xyz * n);
-        for (uint32_t i = 0; i < 3u * nt; i++)
-            t[3u * (size_t)nt * k + i] = one.triangles[i] + k * n;
+        put[k] = rig_ball(20, 9, 12, at[k]);
+        turned[k] = rig_moved(&one, m, at[k]);
     }
-    const smr_mesh mesh = {xyz, t, 2u * n, 2u * nt};
+    const smr_mesh mesh = rig_joined(put, 2);
     smr *s = rig_init(rig_model(&mesh, 1, NULL), &config, NULL);
-    assert_int_equal(SMR_OK, smr_set_positions(s, 0, to));
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, rig_joined(turned, 2).xyz));
     return s;
 }
 
@@ -166,30 +162,13 @@ TEST(test_rotations)
     }
 }
 
-/* Keeps the triangles that are looked at from one side. */
-static void keep_side(smr_mesh *mesh)
-{
-    uint32_t *const kept = rig_alloc(3u * sizeof *kept * mesh->n_triangles);
-    uint32_t n = 0;
-    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
-        const uint32_t *t = mesh->triangles + 3u * (size_t)k;
-        const smr_vec a = smr_load(mesh->xyz + 3u * (size_t)t[0]), b = smr_load(mesh->xyz + 3u * (size_t)t[1]);
-        const smr_vec across = smr_cross(smr_sub(b, a), smr_sub(smr_load(mesh->xyz + 3u * (size_t)t[2]), a));
-        if (smr_dot(smr_unit(across), smr_v(0.0f, 0.98f, 0.17f)) > 0.5f)
-            memcpy(kept + 3u * (size_t)n++, t, 3u * sizeof *t);
-    }
-    mesh->triangles = kept;
-    mesh->n_triangles = n;
-}
-
 /* The mean expected error, mm, of a registration with one side of itself from a turned start. */
 static float expected_of_turned(float degrees)
 {
     smr_config config = smr_config_default();
     const smr_mesh mesh = ellipsoid(18, 26, degrees);
-    smr_mesh goal = ellipsoid(60, 80, 0);
+    const smr_mesh all = ellipsoid(60, 80, 0), goal = rig_seen_from(&all, (const float[3]){0.0f, 0.98f, 0.17f});
     smr_verdict v;
-    keep_side(&goal);
     config.basic.n_target_vertices = goal.n_vertices;
     smr *s = rig_init(rig_model(&mesh, 1, NULL), &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));

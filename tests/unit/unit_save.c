@@ -90,6 +90,13 @@ size_t unit_save_values(const unsigned char *saved, size_t *end)
     return 32u + 4u * (size_t)smr_log_get32(saved + 28);
 }
 
+unsigned char *unit_save_find(unsigned char *saved, const void *what, size_t n)
+{
+    while (memcmp(saved, what, n) != 0)
+        saved++;
+    return saved;
+}
+
 void unit_save_seal(unsigned char *saved, size_t bytes)
 {
     smr_log_put32(saved + bytes - 4u, smr_crc32(0, saved, bytes - 4u));

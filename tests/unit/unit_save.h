@@ -32,6 +32,9 @@ smr *unit_save_restored(const unit_save *u, const unsigned char *saved, size_t b
 /* Where the kept values begin, and the bytes before the closing checksum. */
 size_t unit_save_values(const unsigned char *saved, size_t *end);
 
+/* Where a save holds the n bytes at `what`, which it does. */
+unsigned char *unit_save_find(unsigned char *saved, const void *what, size_t n);
+
 /* Makes the checksum right again after a change. */
 void unit_save_seal(unsigned char *saved, size_t bytes);
 

@@ -176,6 +176,6 @@ struct smr_points {
 #define SMR_WEIGHT_MAX 4.0f /* largest weight of a point, so that the sums of target-to-model forces fit 32 bits */
 
 /* Returns 1 for points opened by smr_points_open(). */
-static inline int smr_points_valid(const smr_points *p) { return p != NULL && p->magic == SMR_POINTS_MAGIC; }
+static inline int smr_points_valid(const smr_points *p) { return p->magic == SMR_POINTS_MAGIC; }
 
 #endif

@@ -9,7 +9,8 @@
 static float apart(smr_vec p, smr_vec q) { return smr_length(smr_sub(p, q)) * SMR_SWEEP_MORE + SMR_SWEEP_MORE_MM; }
 
 /* Finds the signed distance of p (mm from b's origin) to b. to: a place whose side is known or not, as it is replaced.
- * Returns 0, with p's side unknown, where p is outside and farther away than `most`, or deeper than `deep`. */
+ * A depth beyond `most` and `deep` counts as `deep`. Returns 0, with p's side unknown, where p is outside and farther
+ * away than `most`. */
 static int find_side(const smr_sweep *s, smr_vec p, float most, float deep, smr_sweep_place *to)
 {
     const int joined = to->side < SMR_FAR && smr_abs(to->side) > apart(p, to->at); /* no surface lies between */
@@ -30,8 +31,10 @@ static int find_side(const smr_sweep *s, smr_vec p, float most, float deep, smr_
         to->side = hit.triangle != SMR_NONE ? SMR_SQRT(hit.d2) : SMR_FAR;
         return hit.triangle != SMR_NONE;
     }
-    if (!smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), NULL, &side))
-        return 0;
+    if (!smr_signed_distance(&s->b->tree, s->b->normal, &q, smr_max(most, deep), NULL, &side)) {
+        to->side = -deep;
+        return 1;
+    }
     to->side = side.mm;
     to->warm = side.triangle;
     return 1;
@@ -57,7 +60,8 @@ void smr_sweep_point(const smr_sweep *s, smr_vec p, float third, const smr_sweep
         return;
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
-    smr_tree_try(&s->b->tree, NULL, &q, middle->warm, &hit);
+    if (middle->warm != SMR_NONE)
+        smr_tree_try(&s->b->tree, NULL, &q, middle->warm, &hit);
     if (SMR_SQRT(hit.d2) <= smr_min(s->within, smr_max(f->deepest, s->found.deepest))) {
         f->sum += third;
         return;

@@ -65,7 +65,7 @@ int smr_sum_add(smr_input_sum *s, uint32_t most)
     if (s->at_part < s->n_parts) {
         const smr_input_part *part = &s->part[s->at_part];
         const uint64_t items = part->kind > VOXELS ? 4u * (uint64_t)most : most, left = part->n - s->at;
-        const uint64_t end = left < items || most == UINT32_MAX ? part->n : s->at + items;
+        const uint64_t end = left < items ? part->n : s->at + items;
         s->sum = part->kind == ONE ? add(s->sum, part->n) : add_items(s->sum, part, s->at, end);
         s->at = end;
         s->at_part += part->kind == ONE || end == part->n;

@@ -42,10 +42,7 @@ void smr_volumes_scale(smr_volumes *v, float scale, float side)
     }
 }
 
-int smr_volume_asked(const smr_volumes *v, uint32_t structure)
-{
-    return v->kept != NULL && v->kept[structure].closed && v->kept[structure].thick_mm > 0.0f;
-}
+int smr_volume_asked(const smr_volumes *v, uint32_t structure) { return v->kept[structure].closed != 0u; }
 
 void smr_volumes_start(smr_volumes *v, uint32_t structure, float mm3)
 {

@@ -136,7 +136,7 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
 uint32_t smr_step_energy_tasks(const void *arg)
 {
     const smr *s = arg;
-    return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.track_rest->n_tasks : 0u;
+    return s->shape.dynamics->ends ? PASSES * s->shape.track_rest->n_tasks : 0u;
 }
 
 /* Adds the sums `part` of a chunk of vertices to those of a structure or group. Chunks keep rounding small. */

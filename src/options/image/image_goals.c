@@ -136,7 +136,7 @@ int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
 {
     const smr_schedule *p = g->schedule;
     const float far = smr_max(smr_max(p->profile_mm, g->structure[structure].wide_mm), p->gradient_mm);
-    return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
+    return far >= 0.5f * smr_le_float(g->shared->model->profile_step);
 }
 
 /* Returns the distance, mm, within which the profile of vertex v is searched for. */
@@ -277,11 +277,11 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
 
-/* Returns the noise of the image / the mean noise level of structures; 0 as in the paper, which ignores noise. */
+/* Returns the noise of the image / the mean noise level of structures, above 0 where a profile is searched for;
+ * 0 as in the paper, which ignores noise. */
 static float noise_of(const smr_image_goals *g)
 {
-    const int ignored = g->shared->config.image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f);
-    return ignored ? 0.0f : g->noise / g->noise_level;
+    return g->shared->config.image.blend == SMR_BLEND_PLAIN ? 0.0f : g->noise / g->noise_level;
 }
 
 /* Returns the shift of v along the surface, mm, after which image and profile match better at the goal. */

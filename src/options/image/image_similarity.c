@@ -62,8 +62,7 @@ void smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint
     float own = 0.0f, other = 0.0f;
     *wins = 0;
     *n = 0;
-    if (samples == 0u || !(r.range > 0.0f) || smr_dot(normal, normal) < 0.5f ||
-        !score_at(g, &r, first, step, noise, &own))
+    if (!(r.range > 0.0f) || smr_dot(normal, normal) < 0.5f || !score_at(g, &r, first, step, noise, &own))
         return;
     for (uint32_t k = 0; k < SMR_BESIDE; k++) {
         const float far = SMR_BESIDE_MM * (float)(1u + k / 2u) * (k % 2u != 0u ? -1.0f : 1.0f);

@@ -195,7 +195,7 @@ void smr_tracking_find_jump(smr *s)
     /* a cloud's goals leave out large residuals, so that goal_mean alone is small after a jump */
     const float more = smr_residual_typical(&s->forces.surface) - s->schedule.noise_mm;
     const float mean = smr_max(s->forces.totals.goal_mean, more), reach = reach_mm(s);
-    if (!s->schedule.tracking || s->schedule.recovering || s->schedule.radius_iteration > 0u)
+    if (s->schedule.recovering || s->schedule.radius_iteration > 0u)
         return;
     const float enough = s->forces.image.has_image ? SMR_TRACK_LOST : SMR_TRACK_FEWER;
     const int fewer = share_found(s) < enough * s->schedule.found;

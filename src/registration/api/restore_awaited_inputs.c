@@ -48,7 +48,7 @@ static int begin_sum(const smr *s, uint32_t at, uint32_t *like, smr_input_sum *s
         : at == n ? !s->forces.image.has_image
                   : at <= 2u * n && (goals == NULL || goals[at - n - 1u].xyz == NULL))
         return 0;
-    if (at > 2u * n && (at == 2u * n + 1u || fixed == NULL || fixed[at - 2u * n - 2u].surface == NULL))
+    if (at > 2u * n && (at == 2u * n + 1u || fixed[at - 2u * n - 2u].surface == NULL))
         return 0;
     *sum = at < n         ? smr_sum_of_target(target[at].surface)
            : at == n      ? smr_sum_of_volume(&s->forces.image.grid.volume)

@@ -91,7 +91,7 @@ int smr_bulk_add(smr_bulk *b, const smr_shape *shape, uint32_t structure, float 
     b->half = 0;
     b->at = end;
     b->thick_mm = b->area > 0.0f ? smr_abs(b->mm3) / b->area : 0.0f;
-    b->closed = b->thick_mm > SMR_THIN && end > 0u && b->edges == 0u;
+    b->closed = b->thick_mm > SMR_THIN && b->edges == 0u;
     return end == one->tree.n_triangles;
 }
 

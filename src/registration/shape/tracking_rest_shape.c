@@ -65,7 +65,7 @@ void smr_track_rest_keep_image(smr_shape *s) { memcpy(s->image_x, s->x, 3u * (si
 uint32_t smr_track_rest_sum_tasks(const void *arg)
 {
     const smr_shape *shape = arg;
-    return shape->track_rest != NULL && shape->track_rest->due ? shape->track_rest->n_tasks : 0u;
+    return shape->track_rest->due ? shape->track_rest->n_tasks : 0u;
 }
 
 static void begin(smr_fit *fit) { smr_fit_start(fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
@@ -120,8 +120,6 @@ void smr_track_rest_sum_end(smr_shape *shape)
 
 void smr_track_rest_commit(smr_shape *shape)
 {
-    if (shape->track_rest == NULL || !shape->track_rest->due)
-        return;
     shape->track_rest->predicted = 0;
     shape->rest_pose = after(&shape->track_rest->whole, &shape->track_rest->rest_pose);
     for (uint32_t v = 0; v < shape->shared->n; v++) {

@@ -103,8 +103,8 @@ static float fade_of(const smr *s)
     float share = 1.0f;
     if (!s->shared.config.image.fade || smr_tracks(&s->schedule) || smr_moves(s) || !smr_image_on(&s->forces.image))
         return share;
-    if (s->forces.matched >= 0.0f && s->forces.surface.n_goals == 0u && s->schedule.iteration > 0u &&
-        s->forces.image.n_invisible == 0u) /* an image that shows a part has few goals without being noise */
+    /* an image that shows a part has few goals without being noise */
+    if (s->forces.matched >= 0.0f && s->forces.surface.n_goals == 0u && s->forces.image.n_invisible == 0u)
         share = smr_clamp((s->forces.matched - SMR_DISTRUST) / (SMR_TRUSTED - SMR_DISTRUST), 0.0f, 1.0f);
     if (smr_at_last_radius(&s->shared, &s->schedule) && left < all / 2u)
         share *= (float)left / (float)(all / 2u);

@@ -232,5 +232,5 @@ uint32_t smr_forces_evaluated(const smr *s)
     const int found = !smr_forces_pending(s) || run == smr_forces_take ||
                       (SMR_HAS_CONTACT && run == smr_contact_search) ||
                       (SMR_HAS_PARTIAL && run == smr_visibility_count);
-    return s->step > 0u && found ? s->schedule.n_active : 0u;
+    return found ? s->schedule.n_active : 0u;
 }

@@ -76,7 +76,7 @@ smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest)
         sum = smr_add(sum, smr_scale(smr_pose_apply(&q->motion, rest), share));
         all += share;
     }
-    return smr_scale(sum, 1.0f / all);
+    return all > 0.0f ? smr_scale(sum, 1.0f / all) : rest;
 }
 
 /* Returns 1 when the patch may follow a point on its cell of the target: a neighbour is there, and no other part. */

@@ -49,7 +49,8 @@ void smr_patches_link(const smr_bent *w, uint32_t first, uint32_t last);
 
 /* Puts a patch into the start pose and lists its members. */
 void smr_patch_set(const smr_bent *w, uint32_t i);
-/* Returns the place of a point of a patch by the motions of all members that have joined; rest: in the start pose. */
+/* Returns the place of a point of a patch by the motions of all members that have joined; rest: in the start pose, and
+ * the result without any. */
 smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest);
 /* Finds a patch's present place, and its closest point with a weight. */
 void smr_patch_find(const smr_bent *w, smr_patch *p);
