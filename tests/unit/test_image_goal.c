@@ -167,6 +167,29 @@ TEST(test_rest)
     }
 }
 
+/* Vertices that take part again after 256 iterations, the number that the iteration of a search is stored modulo, keep
+ * no goals of an image that turned to one brightness meanwhile. */
+TEST(test_rest_of_inactive)
+{
+    const size_t bytes = (size_t)RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE * sizeof(float);
+    smr_volume image = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_model *model = rig_ball_model(&image);
+    smr_config c = smr_config_default_image();
+    c.basic.iterations = c.basic.iterations_last = 1000;
+    c.motion.settle_um = 0.0f;
+    smr *s = rig_init(model, &c, NULL);
+    float *voxels = rig_alloc(bytes);
+    memcpy(voxels, image.voxels, bytes);
+    image.voxels = voxels;
+    assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+    assert_true(rig_run(s, 1).n_forces > 0u);
+    memset(voxels, 0, bytes);
+    assert_int_equal(SMR_OK, smr_set_active(s, 1));
+    assert_true(rig_run(s, 256).iteration == 257u);
+    assert_int_equal(SMR_OK, smr_set_active(s, UINT32_MAX));
+    assert_int_equal(0, rig_run(s, 1).n_forces);
+}
+
 /* A surface that says 29 mm and an image that says 31: the image counts as far as it may. */
 TEST(test_beside_a_surface)
 {

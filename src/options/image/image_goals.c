@@ -206,22 +206,26 @@ int smr_image_shows(const smr_image_goals *g, uint32_t v)
     return r.range > 0.0f && smr_grid_line(&g->grid, first, step, r.n, line, inside) == r.n;
 }
 
-/* Returns 1 when v has hardly moved since its last search, at most image.rest iterations ago, which found a goal. */
-static int rests(const smr_image_goals *g, uint32_t v)
+/* Returns 1 when the last search for v found a goal, at most image.rest iterations ago, which v has kept since, and v
+ * has hardly moved from the position then[at]. */
+static int keeps(const smr_image_goals *g, uint32_t v, const float *then, uint32_t at)
 {
     const uint32_t rest = g->shared->config.image.rest;
-    if (rest == 0u || g->contrast[v] == 0u || !smr_image_seeks(g, smr_model_owner(g->shared->model, v)))
+    if (rest == 0u || g->found[v] != SMR_FOUND_GOAL || g->contrast[v] == 0u ||
+        !smr_image_seeks(g, smr_model_owner(g->shared->model, v)))
         return 0;
-    const uint32_t age = (g->schedule->iteration - g->searched[v]) & UINT8_MAX;
-    const smr_vec moved = smr_sub(smr_get3(g->shape->x, v), smr_get3(g->last, 2u * v));
+    const uint32_t age = (g->schedule->iteration - __atomic_load_n(&g->searched[v], __ATOMIC_RELAXED)) & UINT8_MAX;
+    const smr_vec moved = smr_sub(smr_get3(g->shape->x, v), smr_get3(then, at));
     const float far = SMR_REST * smr_le_float(g->shared->model->profile_step);
     return age > 0u && age <= rest && smr_dot(moved, moved) <= far * far;
 }
 
-/* Prefetches the voxels that the search of v reads, if it searches. */
+static int rests(const smr_image_goals *g, uint32_t v) { return keeps(g, v, g->last, 2u * v); }
+
+/* Prefetches the voxels that the search of v reads, unless v seems to rest: another worker may be writing `last`. */
 static void ahead(const smr_image_goals *g, uint32_t v)
 {
-    if (rests(g, v))
+    if (keeps(g, v, g->shape->x_next, v))
         return;
     const float profile_mm = sought_mm(g, v);
     const reference_profile r = reference_shape(g, v, profile_mm);
@@ -386,7 +390,7 @@ static int image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     const int found = search(g, v, displacement);
     if (g->shared->config.image.rest == 0u || found != SMR_GOAL)
         return found;
-    g->searched[v] = (uint8_t)(g->schedule->iteration & UINT8_MAX);
+    __atomic_store_n(&g->searched[v], (uint8_t)(g->schedule->iteration & UINT8_MAX), __ATOMIC_RELAXED);
     smr_put3(g->last, 2u * v, x);
     smr_put3(g->last, 2u * v + 1u, *displacement);
     return found;
