@@ -659,7 +659,7 @@ typedef struct smr_image_config {
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
     uint32_t blend; /* SMR_BLEND_..., default confidence. Weights of profile and edge goals: confidence, or 1 (paper) */
     uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 at the end, and in mere noise */
-    uint32_t rest;  /* iterations, [0, 60], default 2. So long a vertex that hardly moves keeps its goal; 0: none */
+    uint32_t rest;  /* iterations, [0, 60], default 2. A vertex that hardly moves keeps its goal so long; 0: none */
 } smr_image_config;
 
 /* Returns the defaults for images, whose goals are noisy and far: x^r is set to x less often; more iterations. */
@@ -1289,7 +1289,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
     ((size_t)1152u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (nv) + (size_t)56u * (ns) +         \
      ((n_target_vertices) > 0u ? (size_t)252u + (size_t)4u * (n_target_vertices) : (size_t)0u) +                       \
      ((n_landmarks) > 0u ? (size_t)4u + (nv) + (size_t)200u * (n_landmarks) : (size_t)0u))
-#define SMR_SAVE_IMAGE_BYTES(nv) ((size_t)25u * (nv))
+#define SMR_SAVE_IMAGE_BYTES(nv) ((size_t)25u * (nv)) /* added by profiles, but for image.rest 0 */
 #define SMR_SAVE_VOLUME_BYTES(ns) ((size_t)8u * (ns))
 #define SMR_SAVE_TRACK_BYTES(nv) ((size_t)128u + (size_t)24u * (nv)) /* 12 nv bytes fewer suffice without profiles */
 #define SMR_SAVE_AHEAD_BYTES(ns) ((size_t)4u + (size_t)96u * (ns))   /* added by track.ahead */

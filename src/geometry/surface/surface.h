@@ -154,8 +154,8 @@ typedef struct smr_extent {
 } smr_extent;
 
 static inline float smr_axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis == 1u ? p.y : p.z; }
-/* Adds crossings of the line with surface s, moved by `shift`, mm, to the line's list: all up to `most`, mm, and maybe
- * others. weight: 1 for a, 2 for b. */
+/* Adds crossings of the line with surface s, moved by `shift`, mm, to the line's list, as long as that has room: all up
+ * to `most`, mm, and maybe others. weight: 1 for a, 2 for b. */
 void smr_line_cross(const smr_surface *s, smr_line *l, smr_vec shift, float most, int weight);
 /* Returns an extent around all crossings of surface s, moved by `shift`, mm, with the lines from `low` up to `high`. */
 smr_extent smr_lines_extent(const smr_surface *s, const smr_ray *low, const smr_ray *high, smr_vec shift);

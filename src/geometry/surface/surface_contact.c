@@ -2,8 +2,8 @@
  * and area are measured at the vertices of both surfaces and at three points of each triangle that can reach the
  * other surface. Between two places the distance to a surface changes by their distance at most, which saves searches.
  * The volume is a sum over a grid of lines, on each of which the length inside both surfaces is exact. A job (job.h).
- * Bounds: four searches a triangle and one a leaf, one a vertex; SMR_LINES^2 lines of two passes through a tree, and
- * two passes for SMR_CONTACT_PLACES lines.
+ * Bounds: four places a triangle, one a leaf, one a vertex (surface_sweep.c); SMR_LINES^2 lines of two passes through a
+ * tree, and two passes for SMR_CONTACT_PLACES lines.
  * SPDX-License-Identifier: MIT */
 #include "base/job.h"
 #include "geometry/box_tree/triangle.h"

@@ -59,8 +59,7 @@ static inline void cross_triangle(const smr_surface *s, smr_line *l, smr_vec shi
         add_crossing(s, l, shift, t, turn ? -weight : weight);
 }
 
-#define SMR_EXTENT_NODES                                                                                               \
-    80u /* nodes after which boxes of nodes count, not of triangles: an extent only grows by that */
+#define SMR_EXTENT_NODES 80u /* nodes after which an extent holds whole nodes, not their triangles: it is only larger */
 
 /* Parallel lines through a rectangle across them, in a surface's coordinates, mm. */
 typedef struct beam {

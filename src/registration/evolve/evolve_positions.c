@@ -16,7 +16,7 @@ void smr_evolve_reset(smr_evolve *e, uint32_t part, uint32_t parts)
 {
     const smr_piece p = smr_part(e->shared->n, part, parts);
     memset(e->tangent_smooth.limited + p.first, 0, p.last - p.first);
-    if (e->most2 != NULL)
+    if (part == 0u && e->most2 != NULL)
         memset(e->most2, 0, e->shared->config.basic.n_workers * e->shared->n_structures * sizeof *e->most2);
 }
 
@@ -76,7 +76,7 @@ static void note_moved(const smr_evolve *e, uint32_t v, uint32_t worker, float m
 {
     const uint32_t n = e->shared->n_structures;
     float *const most2 = e->most2 + worker * n + (n > 1u ? smr_model_owner(e->shared->model, v) : 0u);
-    if (!(moved2 <= *most2)) /* also where moved2 is NaN */
+    if (moved2 > *most2)
         *most2 = moved2;
 }
 

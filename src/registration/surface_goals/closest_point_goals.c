@@ -97,7 +97,7 @@ void smr_certainties_age(smr_surface_goals *g, float *most2)
     for (uint32_t i = 0; i < n && most2 != NULL; i++) {
         float moved2 = 0.0f;
         for (uint32_t k = i; k < n * g->shared->config.basic.n_workers; k += n) {
-            moved2 = most2[k] <= moved2 ? moved2 : most2[k];
+            moved2 = smr_max(moved2, most2[k]);
             most2[k] = 0.0f;
         }
         g->target[i].moved = SMR_SQRT(moved2);
