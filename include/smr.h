@@ -1268,12 +1268,12 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 #define SMR_ARENA_BYTES(nv, nt, ns, n_workers, n_target_vertices, method)                                              \
     ((size_t)8704u + ((method) == SMR_METHOD_RIGID ? (size_t)278u : (size_t)314u) * (nv) +                             \
      ((nv) < 190u ? (size_t)64u * (190u - (nv)) : (size_t)0u) + (size_t)(12u + SMR_SWAPPED_BYTES) * (nt) +             \
-     (size_t)(nt) / 16u + (size_t)264u * (ns) + (size_t)2192u * (n_workers) +                                          \
+     (size_t)(nt) / 16u + (size_t)320u * (ns) + (size_t)2192u * (n_workers) +                                          \
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)6080u + (size_t)40u * (ns) + (size_t)10u * (n_target_vertices) +             \
                                       (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))
 #define SMR_ARENA_LANDMARKS_BYTES(nv, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (nv))
-#define SMR_ARENA_IMAGE_BYTES(nv) ((size_t)128u + (size_t)25u * (nv)) /* added by profiles, but for image.rest 0 */
+#define SMR_ARENA_IMAGE_BYTES(nv) ((size_t)512u + (size_t)29u * (nv)) /* added by profiles; image.rest 0: 25 nv less */
 #define SMR_ARENA_TRACK_BYTES(nv, ns) ((size_t)1024u + (size_t)24u * (nv) + (size_t)96u * (ns))
 #define SMR_ARENA_CONTACT_BYTES(nv, nt, ns) /* added by contact.share or contact.n_fixed */                            \
     ((size_t)4096u + (size_t)100u * (nv) + (size_t)40u * (nt) + (size_t)25u * (ns) + SMR_TREE_BYTES(nt, ns))

@@ -190,6 +190,32 @@ TEST(test_rest_of_inactive)
     assert_int_equal(0, rig_run(s, 1).n_forces);
 }
 
+/* The macros bound the arena of a large structure, and of many small ones, with profiles and without. */
+TEST(test_arena_macros)
+{
+    smr_mesh mesh[100];
+    const float *const at = rig_nowhere;
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, at);
+    for (uint32_t row = 0; row < 8u; row++) {
+        const uint32_t n = row % 2u ? 100u : 1u, rest = row & 2u;
+        smr_prepare_config radii = rig_radii(1, 15.0f, 15.0f, 0);
+        smr_config c = smr_config_default_image();
+        smr_model_info info;
+        size_t bytes = 0;
+        for (uint32_t i = 0; i < n; i++)
+            mesh[i] = rig_ball(RIG_BALL_MM, n > 1u ? 5 : 40, n > 1u ? 6 : 60, at);
+        radii.reference = row < 4u ? &reference : NULL;
+        c.image.rest = rest;
+        const smr_model *model = rig_model(mesh, n, &radii);
+        assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
+        assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
+        const size_t image = row < 4u ? SMR_ARENA_IMAGE_BYTES(info.n_vertices) : 0u;
+        const size_t most = SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, n, 1, 0, SMR_METHOD_RIGID) + image;
+        if (bytes > most || (rest > 0u && most > bytes + 8192u))
+            fail_msg("row %u: %zu bytes, the macros say %zu", row, bytes, most);
+    }
+}
+
 /* A surface that says 29 mm and an image that says 31: the image counts as far as it may. */
 TEST(test_beside_a_surface)
 {
