@@ -216,19 +216,19 @@ uint32_t smr_row_count(const uint64_t *row, uint32_t words)
     return count;
 }
 
-#define SMR_ADDED 7u /* words that full adders make one word of ones, one of twos and one of fours of */
-#define SMR_LANES 4u /* words side by side: a byte of their sum holds SMR_LANES * SMR_ADDED * 8 bits = 224 at most */
+#define SMR_ADDED 7u   /* words that full adders make one word of ones, one of twos and one of fours of */
+#define SMR_ABREAST 4u /* words side by side: a byte of their sum holds at most 4 * SMR_ADDED * 8 bits = 224 */
 
-/* Returns the number of bits in which SMR_LANES * SMR_ADDED words differ, as a sum in each byte (W. J. Harley and
+/* Returns the number of bits in which SMR_ABREAST * SMR_ADDED words differ, as a sum in each byte (W. J. Harley and
  * R. Seal, in Warren, "Hacker's Delight", 2012). */
 static inline uint64_t differing(const uint64_t *a, const uint64_t *b)
 {
     uint64_t bytes = 0;
-    for (uint32_t i = 0; i < SMR_LANES; i++) {
+    for (uint32_t i = 0; i < SMR_ABREAST; i++) {
         uint64_t one = a[i] ^ b[i], carry[3];
         for (uint32_t k = 0; k < 3u; k++) {
-            const uint32_t at = i + (2u * k + 1u) * SMR_LANES;
-            const uint64_t x = a[at] ^ b[at], y = a[at + SMR_LANES] ^ b[at + SMR_LANES], odd = one ^ x;
+            const uint32_t at = i + (2u * k + 1u) * SMR_ABREAST;
+            const uint64_t x = a[at] ^ b[at], y = a[at + SMR_ABREAST] ^ b[at + SMR_ABREAST], odd = one ^ x;
             carry[k] = (one & x) | (odd & y);
             one = odd ^ y;
         }
@@ -248,7 +248,7 @@ uint32_t smr_row_difference_count(const uint64_t *a, const uint64_t *b, uint32_t
 {
     const uint32_t last = smr_max_u32(smr_row_last(a, words), smr_row_last(b, words));
     uint32_t count = 0, w = smr_min_u32(smr_row_first(a, words), smr_row_first(b, words));
-    for (; w + SMR_LANES * SMR_ADDED <= last; w += SMR_LANES * SMR_ADDED)
+    for (; w + SMR_ABREAST * SMR_ADDED <= last; w += SMR_ABREAST * SMR_ADDED)
         count += sum_of_bytes(differing(a + w, b + w));
     uint64_t bytes = 0;
     for (; w < last; w++)
