@@ -374,7 +374,7 @@ static void separate(const smr_contact *c, const place *p, const smr_touch *touc
         memcpy(other.vertex, t, sizeof other.vertex);
     const float apart = displacement_along(c, p, out, &sum) - displacement_along(c, &other, out, &sum);
     const float missing = c->shared->config.contact.gap_mm - touch->mm - apart;
-    if (!(missing > 0.0f))
+    if (!(missing > 0.0f && sum > 0.0f))
         return;
     const float displacement = missing * touch->share * c->shared->config.contact.share / sum;
     move(c, p, out, displacement);

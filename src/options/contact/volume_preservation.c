@@ -42,7 +42,10 @@ void smr_volumes_scale(smr_volumes *v, float scale, float side)
     }
 }
 
-int smr_volume_asked(const smr_volumes *v, uint32_t structure) { return v->kept[structure].closed != 0u; }
+int smr_volume_asked(const smr_volumes *v, uint32_t structure)
+{
+    return v->kept[structure].closed && v->kept[structure].thick_mm > 0.0f;
+}
 
 void smr_volumes_start(smr_volumes *v, uint32_t structure, float mm3)
 {

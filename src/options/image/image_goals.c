@@ -281,11 +281,11 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
 
-/* Returns the noise of the image / the mean noise level of structures, above 0 where a profile is searched for;
- * 0 as in the paper, which ignores noise. */
+/* Returns the noise of the image / the mean noise level of structures; 0 as in the paper, which ignores noise. */
 static float noise_of(const smr_image_goals *g)
 {
-    return g->shared->config.image.blend == SMR_BLEND_PLAIN ? 0.0f : g->noise / g->noise_level;
+    const int ignored = g->shared->config.image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f);
+    return ignored ? 0.0f : g->noise / g->noise_level;
 }
 
 /* Returns the shift of v along the surface, mm, after which image and profile match better at the goal. */

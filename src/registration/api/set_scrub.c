@@ -175,7 +175,7 @@ static smr_status slice(smr *s, uint64_t budget_ns)
 /* Returns the checksum of the arena behind the struct, without memory of sums that no iteration is using. */
 static uint32_t seal(const smr *s)
 {
-    const int free = s->step == 0u && s->next_task == 0u;
+    const int free = s->step == 0u && s->next_task == 0u && s->n_awaited == 0u;
     const unsigned char *from =
         free ? (const unsigned char *)s->overlay.tally : (const unsigned char *)s->overlay.record;
     const unsigned char *end = (const unsigned char *)s + s->arena_bytes;

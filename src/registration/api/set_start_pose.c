@@ -332,7 +332,7 @@ static int guard(void *job, int enter)
     smr_starting *j = job;
     smr *s = of(j);
     const uint32_t busy = j->claimed ? SMR_STARTING : 0u;
-    if (!smr_hold_guard(&j->job, enter, s->ticking == busy))
+    if (!smr_hold_guard(&j->job, enter, s->n_awaited == 0u && s->ticking == busy))
         return 0;
     if (busy != 0u)
         s->ticking = busy;

@@ -149,7 +149,9 @@ static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
     const uint8_t found = found_of[visible];
     if (!smr_landmarks_on(&f->landmarks))
         return found;
-    if (visible == SMR_GOAL)
+    const int kept =
+        !smr_image_seeks(&f->image, smr_model_owner(f->shared->model, v)) && f->landmarks.visibility[v] > 0u;
+    if (visible == SMR_GOAL || kept)
         smr_occluded_field_blend_hard(&f->occluded, v, displacement);
     else
         smr_occluded_field_fill(&f->occluded, v, displacement);
