@@ -142,8 +142,9 @@ static void rank(double *value, size_t n)
     free(list);
 }
 
-/* The property expected_error of a result with --vertex-errors; 0: there is none. */
-static int read_expected(const char *path, uint32_t n, double *value)
+/* The properties expected_error and expected_across of a result with --vertex-errors, the latter as a sum; 0: there are
+ * none. */
+static int read_expected(const char *path, uint32_t n, double *value, double *across)
 {
     static const char head[] = "property float z\nproperty uchar seen\nproperty float expected_error\n"
                                "property float local_volume\nproperty float expected_across\n"
@@ -157,26 +158,28 @@ static int read_expected(const char *path, uint32_t n, double *value)
     memcpy(text, bytes.data, bytes.size < sizeof text ? bytes.size : sizeof text - 1u);
     const char *const from = strstr(text, head) != NULL ? strstr(text, end) : NULL;
     for (uint32_t i = 0; from != NULL && i < n; i++) {
-        float one = 0.0f;
-        memcpy(&one, bytes.data + (from - text) + sizeof end - 1u + 29u * (size_t)i + 13u, sizeof one);
-        value[i] = (double)one;
+        float one[3] = {0.0f};
+        memcpy(one, bytes.data + (from - text) + sizeof end - 1u + 29u * (size_t)i + 13u, sizeof one);
+        value[i] = (double)one[0];
+        *across += (double)one[2];
     }
     host_file_free(&bytes);
     return from != NULL;
 }
 
-/* Expected errors against the distances to the true places: rank correlation, mean over mean. */
-static void tell_expected(const case_data *data, const host_mesh *result, const char *directory)
+/* Expected errors against the distances to the true places: rank correlation, mean over mean; and the mean distance to
+ * the true surface over its expected value. */
+static void tell_expected(const case_data *data, const host_mesh *result, const char *directory, double to_surface)
 {
     size_t n = 0;
-    double mean[2] = {0.0, 0.0}, xy = 0.0, xx = 0.0, yy = 0.0;
+    double mean[2] = {0.0, 0.0}, across = 0.0, xy = 0.0, xx = 0.0, yy = 0.0;
     for (uint32_t i = 0; i < data->n; i++)
         n += data->body[i].truth.n_vertices;
     double *const expected = case_alloc(n, sizeof *expected), *const error = case_alloc(n, sizeof *error);
     n = 0;
     for (uint32_t i = 0; i < data->n; n += data->body[i++].truth.n_vertices) {
         const char *path = case_text("%s/%s.ply", directory, data->body[i].name);
-        if (data->body[i].truth.n_vertices == 0 || !read_expected(path, result[i].n_vertices, expected + n))
+        if (data->body[i].truth.n_vertices == 0 || !read_expected(path, result[i].n_vertices, expected + n, &across))
             break;
         for (uint32_t v = 0; v < result[i].n_vertices; v++) {
             double p[3], q[3];
@@ -198,6 +201,8 @@ static void tell_expected(const case_data *data, const host_mesh *result, const 
     free(error);
     if (mean[1] > 0.0 && xx > 0.0 && yy > 0.0)
         (void)printf("spearman %.3f\nratio %.3f\n", xy / sqrt(xx * yy), mean[0] / mean[1]);
+    if (across > 0.0)
+        (void)printf("across %.3f\n", to_surface * (double)n / across);
 }
 
 /* The angle between the first model and its result, degrees. */
@@ -235,7 +240,7 @@ void case_tell(const case_data *data, const char *directory)
         (void)printf("to_seen %.4f\n", case_surface_mean(&result[0], &first->whole, first->seen, NULL));
     if (f.unseen >= 0.0 && first->whole.n_vertices == first->truth.n_vertices)
         (void)printf("from_seen %.4f\n", case_surface_mean(&first->whole, &result[0], first->seen, NULL));
-    tell_expected(data, result, directory);
+    tell_expected(data, result, directory, f.to);
     for (uint32_t i = 0; i < data->n; i++)
         host_mesh_free(&result[i]);
 }

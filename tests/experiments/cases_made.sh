@@ -344,7 +344,7 @@ group_verdict() {
         { tr ' ' '_' <kind | sed -n 's/=/ /; s/^\(family\|kind\|bone\|hopeless\|image\|overlap\) /&/p'; sed -n '/^good \|^level \|^probability /p' told
           [ ! -f run/report.json ] || tool measure job run; } | awk -v seed=$1 '{ v[$1] = $2 } END { print seed, v["kind"], v["bone"], v["hopeless"], v["image"],
             v["overlap"], v["good"] + 0, ("surface" in v) ? v["surface"] : -1, ("vertex" in v) ? v["vertex"] : -1, "spearman" v["spearman"], "ratio" v["ratio"],
-            v["family"], ("level" in v) ? v["level"] : 2, v["probability"] + 0 }' >>runs
+            v["family"], ("level" in v) ? v["level"] : 2, v["probability"] + 0, "across" v["across"] }' >>runs
         tail -n 1 runs
     }
     pair() { # row, model, target
@@ -392,6 +392,10 @@ group_verdict() {
     bound 'right ones that failed, %' odd.right_failed_mean 0.5
     bound 'wrong ones that are good, %' odd.wrong_good_mean 0.5
     bound 'gross ones that did not fail, %' 100-odd.gross_failed_mean 15
+    bound 'true over expected vertex error: least median of a family, below 0.8' 0.8-odd.true_least 0
+    bound 'true over expected vertex error: largest median of a family' odd.true_most 1.25
+    bound 'true over expected vertex error: largest 90th percentile of a family' odd.true_p90 2.5
+    bound 'true over expected error across beyond 0.5..2, % of runs' 100-odd.across_in 30
     bound 'median rank correlation falls short by' 0.55-odd.spearman 0
     bound 'expected over true mean beyond 0.7..1.5, %' 100-odd.ratios_in 10
 }

@@ -1,8 +1,8 @@
 # judge.awk: what the rows of many runs show about verdicts.
 # SPDX-License-Identifier: MIT
 # usage: awk -f judge.awk RUNS     lines "seed kind bone hopeless image overlap good surface vertex spearmanX ratioX family
-# level probability", of which X is empty where it is unknown; level 0: good, 1: look, 2: failed. Even seeds have the
-# bones that the rules were fitted to, odd ones the others. Prints figures of both, and a line for each family.
+# level probability acrossX", of which X is empty where it is unknown; level 0: good, 1: look, 2: failed. Even seeds have
+# the bones that the rules were fitted to, odd ones the others. Prints figures of both, and a line for each family.
 function sort(list, n,   i, k, x) {
     for (i = 2; i <= n; i++) {
         x = list[i]
@@ -50,6 +50,12 @@ BEGIN { steps = split("0.05 0.2 0.35 0.5 0.7 0.8 0.9 0.95", step, " "); bins = s
     ratio = substr($11, 6)
     if (!$4 && $9 >= 0 && ratio != "") { ratios[half]++; ratios_in[half] += ratio >= 0.7 && ratio <= 1.5 }
     if (!$4 && $9 >= 0 && spearman != "" && ($5 || $6 < 0.95)) ranks[half, ++n_ranks[half]] = spearman + 0
+    across = substr($15, 7)
+    if (!$4 && $9 >= 0 && $9 <= 20 && $8 <= 10 && ratio > 0) true_over[half, $12, ++n_true[half, $12]] = 1 / ratio
+    if (!$4 && !other && $8 >= 0 && $8 <= 10 && $9 <= 20 && across != "") {
+        acrosses[half]++
+        across_in[half] += across >= 0.5 && across <= 2
+    }
     n_kind[$12]++
     good_kind[$12] += $7
 }
@@ -72,6 +78,20 @@ END {
         sort(list, m)
         printf "%s.spearman %.2f\n%s.ratios %d\n%s.ratios_in %.2f\n", half, list[int(m / 2) + 1], half,
             ratios[half], half, 100 * ratios_in[half] / (ratios[half] ? ratios[half] : 1)
+        low = 9
+        high = p90 = 0
+        for (k in n_kind) { # true over expected error of vertices
+            m = n_true[half, k]
+            if (m == 0) continue
+            for (i = 1; i <= m; i++) list[i] = true_over[half, k, i]
+            sort(list, m)
+            middle = list[int((m + 1) / 2)]
+            if (middle < low) low = middle
+            if (middle > high) high = middle
+            if (list[int(0.9 * m + 0.5)] > p90) p90 = list[int(0.9 * m + 0.5)]
+        }
+        printf "%s.true_least %.2f\n%s.true_most %.2f\n%s.true_p90 %.2f\n%s.across_in %.2f\n", half, low, half, high, half, p90,
+            half, 100 * across_in[half] / (acrosses[half] ? acrosses[half] : 1)
     }
     for (k in n_kind) {
         printf "  %-12s %4d runs, %4d good", k, n_kind[k], good_kind[k]
