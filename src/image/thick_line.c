@@ -7,6 +7,7 @@
 
 #define SMR_LINES_BESIDE 20u   /* number of lines beside a line in an image with much noise */
 #define SMR_LINES_LITTLE 8u    /* number of lines beside a line in an image with little noise */
+#define SMR_LINES_FEW 4u       /* number of lines beside a line where many vertices are active */
 #define SMR_LITTLE 1.5f        /* largest noise that counts as little */
 #define SMR_EVERY 3u           /* a line beside has every SMR_EVERY-th sample; successive lines have different ones */
 #define SMR_OWN 12u            /* weight of samples of the line itself */
@@ -79,11 +80,11 @@ static void add_line(const smr_grid *grid, smr_vec at, smr_vec spacing, uint32_t
     }
 }
 
-uint32_t smr_grid_thick_line(const smr_grid *grid, float noise, smr_vec start, smr_vec spacing, uint32_t n,
+uint32_t smr_grid_thick_line(const smr_grid *grid, float noise, int few, smr_vec start, smr_vec spacing, uint32_t n,
                              float *value, uint8_t *inside)
 {
     const uint32_t count = smr_grid_line(grid, start, spacing, n, value, inside);
-    const uint32_t lines = noise > SMR_LITTLE ? SMR_LINES_BESIDE : SMR_LINES_LITTLE;
+    const uint32_t lines = few ? SMR_LINES_FEW : noise > SMR_LITTLE ? SMR_LINES_BESIDE : SMR_LINES_LITTLE;
     const float *const size = grid->volume.spacing, voxel = smr_min(size[0], smr_min(size[1], size[2]));
     const float reach = smr_min(0.8f + 0.4f * noise, SMR_ALONG_MOST) * voxel / smr_length(spacing);
     uint8_t weight[SMR_LINE_MAX];

@@ -29,8 +29,9 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid);
  * lies outside the volume or the mask, or meets a NaN. Returns the number of samples inside. */
 uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value, uint8_t *inside);
 /* Writes samples as smr_grid_line() does, n <= SMR_LINE_MAX, each a mean over some voxels across the line and along it.
- * noise: of the image / the mean noise level of structures; more noise, more voxels. The same samples are inside. */
-uint32_t smr_grid_thick_line(const smr_grid *grid, float noise, smr_vec start, smr_vec spacing, uint32_t n,
+ * noise: of the image / the mean noise level of structures; more noise, more voxels; few: 1 for few voxels across the
+ * line. The same samples are inside. */
+uint32_t smr_grid_thick_line(const smr_grid *grid, float noise, int few, smr_vec start, smr_vec spacing, uint32_t n,
                              float *value, uint8_t *inside);
 uint32_t smr_longest_axis(const smr_volume *v); /* the axis of the largest voxel spacing */
 /* Returns the standard deviation of the image's noise, intensity; 0 for an image of less than three voxels a row. */

@@ -102,7 +102,8 @@ static float enough(const smr *s)
     const float bare = s->shared.n_triangles > 0u ? smr_max(1.0f, n / drawn) : 1.0f;
     const float cluster =
         n * (float)s->shared.config.schedule.active_enough / (float)smr_max_u32(s->schedule.lists.smallest, 1u);
-    const float wanted = bare * smr_max(cluster, SMR_ENOUGH_ALL); /* a floor, as clusters share vertices */
+    const float floor = smr_max(cluster, SMR_ENOUGH_ALL); /* as clusters share vertices */
+    const float wanted = bare * floor * smr_image_more(&s->forces.image);
     uint32_t level = 0;
     while (level + 1u < smr_le32(s->shared.model->n_levels) &&
            (float)smr_le32(s->shared.model->level_end[level]) < SMR_ABOUT * wanted)

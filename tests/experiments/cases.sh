@@ -72,7 +72,7 @@ group_noise() {
     noise patient 10 0.16
     full || return 0
     noise patient 20 0.27
-    noise person 20 0.84
+    noise person 20 0.76
     all || return 0
     noise patient 5 0.12
     noise person 5 0.7

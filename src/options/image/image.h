@@ -16,6 +16,7 @@
 #endif
 
 #define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image; each takes as long as forty on a surface */
+#define SMR_NOISE_MUCH 2.0f   /* noise of the image / mean noise level of structures above which more are active */
 #define SMR_CONTRAST_ONE 64u  /* stored contrast number for equal contrast of image and profile */
 #define SMR_BRIGHTER_NONE 128 /* stored brightness number for equal brightness of image and profile */
 #define SMR_BRIGHTER_HIDDEN 0 /* stored brightness number of a vertex that the image does not show */
@@ -73,6 +74,22 @@ typedef struct smr_image_goals {
 
 /* Returns 1 when structures without a target surface follow an image. */
 static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE && g->has_image; }
+
+/* Returns the noise of the image / the mean noise level of structures; 0 as in the paper, which ignores noise. */
+static inline float smr_image_noise(const smr_image_goals *g)
+{
+    const int ignored = g->shared->config.image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f);
+    return ignored ? 0.0f : g->noise / g->noise_level;
+}
+
+/* Returns how many times as many active vertices suffice as without noise: so many that their mean has as much noise,
+ * but not at the last radius. Only the first vertices, as many as without noise, are sought by means over many lines
+ * and decide whether the image can be trusted: on few lines mere noise has goals, too. */
+static inline float smr_image_more(const smr_image_goals *g)
+{
+    const float noise = SMR_HAS_IMAGE && g->has_image ? smr_image_noise(g) * (1.0f / SMR_NOISE_MUCH) : 0.0f;
+    return smr_at_last_radius(g->shared, g->schedule) ? 1.0f : smr_max(noise * noise, 1.0f);
+}
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
 /* discards contrast and brightness of a part of the vertices, and `idle` */

@@ -281,13 +281,6 @@ static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, 
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
 
-/* Returns the noise of the image / the mean noise level of structures; 0 as in the paper, which ignores noise. */
-static float noise_of(const smr_image_goals *g)
-{
-    const int ignored = g->shared->config.image.blend == SMR_BLEND_PLAIN || !(g->noise_level > 0.0f);
-    return ignored ? 0.0f : g->noise / g->noise_level;
-}
-
 /* Returns the shift of v along the surface, mm, after which image and profile match better at the goal. */
 static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, const search_line *l,
                                        const image_sample *sample)
@@ -296,7 +289,7 @@ static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, con
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
     if (!(g->shared->config.image.sideways > 0.0f))
         return smr_v(0, 0, 0);
-    const float reach = smr_clamp(noise_of(g), 1.0f, SMR_SIDE_NOISY) *
+    const float reach = smr_clamp(smr_image_noise(g), 1.0f, SMR_SIDE_NOISY) *
                         smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm);
     const smr_vec at = smr_add(l->start, smr_scale(l->step, sample->first)), normal = smr_get3(g->shape->normal, v);
     const smr_vec step = smr_scale(l->step, (float)sample->hop);
@@ -345,9 +338,10 @@ static int search(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    const float noise = noise_of(g);
+    const float noise = smr_image_noise(g);
+    const int few = (float)v * smr_image_more(g) >= (float)g->schedule->n_active;
     const uint32_t n_inside = noise > SMR_NOISY
-                                  ? smr_grid_thick_line(&g->grid, noise, l.start, l.step, l.n, line, inside)
+                                  ? smr_grid_thick_line(&g->grid, noise, few, l.start, l.step, l.n, line, inside)
                                   : smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside);
     const int whole = n_inside == l.n;
     /* the reference profile plus the mean difference of brightness between image and profiles */

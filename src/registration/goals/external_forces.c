@@ -245,8 +245,11 @@ static int note_idle(smr_forces *f, uint32_t structure)
     return idle != 0u;
 }
 
+/* Stores the share of the searched vertices with a goal: in an image, of those that are sought on many lines. */
 static void note_matched(smr_forces *f)
 {
+    const float more = smr_image_more(&f->image), n = (float)f->schedule->n_active;
+    uint32_t n_forces = 0, n_rejected = 0;
     int sought = 0;
     for (uint32_t k = 0; k < f->shared->n_structures; k++) {
         smr_target *target = &f->surface.target[k];
@@ -254,8 +257,12 @@ static void note_matched(smr_forces *f)
         sought |= target->surface != NULL || !idle;
         target->measured = 1;
     }
+    for (uint32_t t = 0; t < f->shared->n_tasks && (float)(t * SMR_CHUNK) * more < n; t++) {
+        n_forces += f->tally[t].forces.n_forces;
+        n_rejected += f->tally[t].forces.n_rejected;
+    }
     if (sought)
-        f->matched = share_of(f->totals.n_forces, f->totals.n_rejected);
+        f->matched = share_of(n_forces, n_rejected);
     f->unmeasured = 0;
 }
 
