@@ -21,8 +21,8 @@ static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, 
     const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
     const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_BOUNDARY_UNITS + 0.5f);
     const int add = units - (inside ? SMR_BOUNDARY_UNITS : 0);
-    const int member = p->members == 0u || smr_min_u32(p->stored[a], p->stored[b]) < p->members;
-    if (add == 0 || !member || smr_kept_apart(p, a, b) || (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
+    if (add == 0 || !(smr_is_member(p, a) || smr_is_member(p, b)) || smr_kept_apart(p, a, b) ||
+        (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
         return;
     const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_BOUNDARY_UNITS / 2)};
     smr_put_words(l->w, l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary), field, 3);
@@ -70,7 +70,7 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
     for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
         if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
             break; /* stops: smr_prepare() will report the model as too large */
-        if (p->touched[v])
+        if (p->touched[v] || (p->members > 0u && smr_is_member(p, v))) /* touched[v] tells of members only */
             find_pairs(p, l, v, radius, half);
     }
     l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);

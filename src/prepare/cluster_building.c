@@ -11,6 +11,13 @@
 #define SMR_INSIDE 0.99999f  /* factor of r^2: a box wholly within this squared distance holds only members */
 #define SMR_OUTSIDE 1.00001f /* factor of r^2: a box wholly beyond this squared distance holds no member */
 
+void smr_plan_clear_rows(const smr_plan *p)
+{
+    memset(p->row, 0, p->n_rows * (p->words + (size_t)1u) * sizeof *p->row);
+    for (uint32_t i = 0; i < p->n_rows; i++)
+        smr_plan_row(p, i)[p->words] = p->words;
+}
+
 uint32_t smr_box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
 {
     const float at[3] = {p.x, p.y, p.z};
@@ -80,21 +87,22 @@ uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row
 {
     ball b = {smr_get3(p->xyz, v), smr_boundary_at(radius), radius * radius, 0};
     const float inside = smr_min(SMR_INSIDE * b.r2, b.at.near2), outside = smr_max(SMR_OUTSIDE * b.r2, b.at.far2);
+    const smr_box_tree *const tree = p->members > 0u ? &p->few : &p->points;
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, first = p->words, last = 0; /* first .. last - 1: words with members */
     smr_row_clear(row, p->words);
-    stack[top++] = (smr_visit){0.0f, p->points.n_levels - 1u, 0u};
-    if (p->points.n_levels == 1u) { /* the tree's only node is a leaf */
-        row[first = --top] = members_of(p->points.node, &b);
+    stack[top++] = (smr_visit){0.0f, tree->n_levels - 1u, 0u};
+    if (tree->n_levels == 1u) { /* the tree's only node is a leaf */
+        row[first = --top] = members_of(tree->node, &b);
         last = 1;
     }
     while (top > 0u) {
         const smr_visit at = stack[--top];
         const uint32_t base = at.index * SMR_TREE_WIDTH, shift = 3u * (at.level - 2u); /* 2^shift words in a child */
-        uint32_t reaching, inner = smr_box_kinds(&p->points.node[p->points.level[at.level] + at.index], b.centre,
-                                                 inside, outside, &reaching);
+        uint32_t reaching,
+            inner = smr_box_kinds(&tree->node[tree->level[at.level] + at.index], b.centre, inside, outside, &reaching);
         if (at.level == 1u) {
-            row[at.index] = members_below(&p->points.node[base], &b, inner, reaching);
+            row[at.index] = members_below(&tree->node[base], &b, inner, reaching);
             first = smr_min_u32(first, at.index);
             last = smr_max_u32(last, at.index + 1u);
             continue;
@@ -111,7 +119,7 @@ uint32_t smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row
             stack[top++] = (smr_visit){0.0f, at.level - 1u, base + (uint32_t)__builtin_ctz(reaching)};
     }
     if (last == p->words)
-        row[last - 1u] &= ~(uint64_t)0 >> (63u - (p->n - 1u) % 64u); /* clears bits behind the last vertex */
+        row[last - 1u] &= ~(uint64_t)0 >> (63u - (tree->n_triangles - 1u) % 64u); /* none behind the last vertex */
     smr_row_cover(row, p->words, first, last);
     return b.touched;
 }
@@ -180,7 +188,7 @@ void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row)
     for (uint32_t w = smr_row_first(row, p->words); smr_keeps_apart(p) && w < smr_row_last(row, p->words); w++)
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             uint32_t bit = (uint32_t)__builtin_ctzll(rest);
-            if (smr_kept_apart(p, v, w * 64u + bit))
+            if (smr_kept_apart(p, v, smr_bit_vertex(p, w * 64u + bit)))
                 row[w] &= ~((uint64_t)1 << bit);
         }
 }
@@ -193,10 +201,11 @@ uint32_t smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
     else
         touched = smr_ball_row(p, v, radius, row);
     smr_row_keep_structure(p, v, row);
-    for (uint32_t i = p->neighbour_start[v]; smr_holds_neighbours(p, radius) && i < p->neighbour_start[v + 1u]; i++)
-        smr_row_set(row, p->words, p->neighbour[i]);
-    for (uint32_t w = smr_row_first(row, p->words); p->members > 0u && w < smr_row_last(row, p->words); w++)
-        row[w] &= p->important[w];
+    for (uint32_t i = p->neighbour_start[v]; smr_holds_neighbours(p, radius) && i < p->neighbour_start[v + 1u]; i++) {
+        const uint32_t next = p->neighbour[i];
+        if (smr_is_member(p, next))
+            smr_row_set(row, p->words, p->members > 0u ? p->bit[next] : next);
+    }
     return touched;
 }
 

@@ -63,11 +63,20 @@ void smr_plan_coarse(smr_plan *p, const float *radius, uint32_t n_radii)
 
 void smr_plan_members(smr_plan *p, uint32_t radius)
 {
+    const uint32_t before = p->members;
     p->members = radius < p->coarse_radii ? p->coarse_vertices : 0u;
-    for (uint32_t w = 0; p->members > 0u && w < p->words; w++)
-        p->important[w] = 0;
-    for (uint32_t i = 0; i < p->members; i++)
-        p->important[p->along[i] / 64u] |= (uint64_t)1 << (p->along[i] % 64u);
+    if (p->members == before)
+        return;
+    p->words = smr_ceil_div(p->members > 0u ? p->members : p->n, 64u);
+    smr_plan_clear_rows(p);
+    if (p->members == 0u)
+        return;
+    for (uint32_t v = 0, n = 0; v < p->n; v++)
+        if (p->stored[v] < p->members) {
+            p->of_bit[n] = v;
+            p->bit[v] = n++;
+        }
+    smr_plan_tree(p, &p->few, p->members, p->of_bit);
 }
 
 /* Returns the model's length, mm: that of a thin rod whose points have the same variance. The pose does not matter. */

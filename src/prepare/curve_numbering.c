@@ -52,25 +52,25 @@ static void order_triangles(smr_plan *p)
     }
 }
 
-/* Builds the box tree over vertices. The children of leaf k are the vertices 8k .. 8k+7, boxes of size 0. */
-static void build_point_tree(smr_plan *p)
+void smr_plan_tree(const smr_plan *p, smr_box_tree *tree, uint32_t n, const uint32_t *vertex)
 {
-    for (uint32_t leaf = 0; leaf < smr_tree_leaves(&p->points); leaf++) {
-        smr_node *node = &p->points.node[leaf];
+    smr_tree_shape(tree, n);
+    for (uint32_t leaf = 0; leaf < smr_tree_leaves(tree); leaf++) {
+        smr_node *node = &tree->node[leaf];
         for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-            const uint32_t v = leaf * SMR_TREE_WIDTH + k;
+            const uint32_t i = leaf * SMR_TREE_WIDTH + k, v = i < n && vertex != NULL ? vertex[i] : i;
             for (uint32_t axis = 0; axis < 3u; axis++)
-                node->lo[axis][k] = node->hi[axis][k] = v < p->n ? p->xyz[3u * (size_t)v + axis] : SMR_FAR;
+                node->lo[axis][k] = node->hi[axis][k] = i < n ? p->xyz[3u * (size_t)v + axis] : SMR_FAR;
         }
     }
-    smr_tree_refit_upper(&p->points);
+    smr_tree_refit_upper(tree);
 }
 
 void smr_plan_order(smr_plan *p)
 {
     order_vertices(p);
     order_triangles(p);
-    build_point_tree(p);
+    smr_plan_tree(p, &p->points, p->n, NULL);
     for (uint32_t v = 0; p->geo_distance != NULL && v < p->n; v++)
         p->geo_distance[v] = UINT32_MAX;
 }

@@ -63,7 +63,7 @@ static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *
     for (uint32_t w = smr_row_first(own, p->words); w < smr_row_last(own, p->words); w++) {
         uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]);
         for (; bits != 0u; bits &= bits - 1u, n++) {
-            const uint32_t v = w * 64u + (uint32_t)__builtin_ctzll(bits);
+            const uint32_t v = smr_bit_vertex(p, w * 64u + (uint32_t)__builtin_ctzll(bits));
             p->member[n] = v;
             to[p->level[v] + 1u]++;
         }

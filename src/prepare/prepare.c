@@ -129,7 +129,10 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->forest.parent = smr_arena_take(a, (size_t)p->block_size + 1u, u);
     p->forest.link_start = smr_arena_take(a, (size_t)p->block_size + 2u, u);
     p->forest.link = smr_arena_take(a, (size_t)p->block_size + 1u, 2u * u);
-    p->important = smr_plan_thinned(p) < p->n ? smr_arena_take(a, p->words, sizeof(uint64_t)) : NULL;
+    const size_t n_dense = smr_plan_thinned(p) < p->n ? n : 0u;
+    p->few.node = smr_arena_take(a, n_dense > 0u ? smr_tree_nodes(p->n) : 0u, sizeof(smr_node));
+    p->of_bit = smr_arena_take(a, n_dense, u);
+    p->bit = smr_arena_take(a, n_dense, u);
     p->queue = smr_arena_take(a, n + 1u, u);
     p->geo_distance = geodesic ? smr_arena_take(a, n, u) : NULL;
     p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, sizeof(uint64_t)) : NULL;
@@ -215,9 +218,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
     smr_plan_layout(&a, &p);
-    memset(p.row, 0, p.n_rows * (p.words + (size_t)1u) * sizeof *p.row);
-    for (uint32_t i = 0; i < p.n_rows; i++)
-        smr_plan_row(&p, i)[p.words] = p.words;
+    smr_plan_clear_rows(&p);
     smr_plan_order(&p);
     smr_plan_neighbours(&p);
     smr_plan_mass(&p);

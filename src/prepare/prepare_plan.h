@@ -41,7 +41,7 @@ typedef struct smr_plan {
     uint32_t n_structures;
     uint32_t n, nt;          /* number of vertices, and of triangles, of all structures */
     uint32_t block_size;     /* largest number of vertices in a block, a part of the order L with its own forest */
-    uint32_t words;          /* number of 64-bit words that n bits fill: length of a row of bits */
+    uint32_t words;          /* length of a row of bits, 64-bit words */
     uint32_t n_rows;         /* number of rows of bits in row[] */
     uint32_t separate;       /* 1: each cluster of the current radius contains vertices of one structure only */
     smr_port port;           /* runs loops over a block; empty for geodesic clusters, which share scratch */
@@ -80,8 +80,10 @@ typedef struct smr_plan {
     uint32_t *along;                        /* [n] curve index of each stored vertex */
     uint32_t coarse_radii, coarse_vertices; /* as in the model: smr_plan_coarse() */
     uint32_t members;                       /* clusters hold only the first `members` stored vertices; 0: all */
-    uint64_t *important; /* [words] row of these `members` vertices; NULL without a dense structure */
-    uint32_t *level;     /* [n] level of each vertex along the curve; the memory of priority.next */
+    smr_box_tree few; /* box tree over these `members` vertices in the order of the curve, as `points` */
+    uint32_t *of_bit; /* [members] vertex of each bit of a row; NULL without a dense structure */
+    uint32_t *bit;    /* [n] bit of each of these vertices */
+    uint32_t *level;  /* [n] level of each vertex along the curve; the memory of priority.next */
 
     /* written for each radius */
     uint64_t *row;       /* [n_rows][words + 1] rows of bits: sets of vertices, see smr_plan_row() */
@@ -122,7 +124,11 @@ uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 uint32_t smr_plan_thinned(const smr_plan *p);
 /* Chooses coarse_vertices, and coarse_radii among radii chosen by smr_choose_radii(). Needs active_min. */
 void smr_plan_coarse(smr_plan *p, const float *radius, uint32_t n_radii);
-void smr_plan_members(smr_plan *p, uint32_t radius); /* sets members and important[] for the radius of this index */
+void smr_plan_members(smr_plan *p, uint32_t radius); /* sets members, few and bits for the radius of this index */
+/* Builds a tree over n vertices, vertex[n] or 0 .. n-1. The children of leaf k are vertices 8k .. 8k+7, boxes of size
+ * 0. The tree has memory for n vertices. */
+void smr_plan_tree(const smr_plan *p, smr_box_tree *tree, uint32_t n, const uint32_t *vertex);
+void smr_plan_clear_rows(const smr_plan *p); /* removes all vertices from all rows, whose length may have changed */
 
 /* Computes the priority list S for all radii, and active_min of each radius. separate_below: radius, mm, below which
  * clusters contain vertices of one structure only; empty 1: leaves S empty. Errors: E_ABORTED. */
@@ -130,8 +136,9 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
 /* Computes the stored order from S; an empty S gives one level in the order of the curve. */
 void smr_plan_levels(smr_plan *p, uint32_t n_radii);
 
-/* A row of bits is a set of vertices, a bit for each curve index. Behind its `words` 64-bit words a row has one more:
- * first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in large models. */
+/* A row of bits is a set of vertices, a bit for each curve index, or for each of `members`. Behind its `words` 64-bit
+ * words a row has one more: first | last << 32. Only words first .. last-1 may hold bits: small clusters cost little in
+ * large models. */
 static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
 static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
 
@@ -143,7 +150,16 @@ static inline void smr_row_cover(uint64_t *row, uint32_t words, uint32_t first, 
     row[words] = (uint64_t)last << 32 | first;
 }
 
-/* Adds the vertex with the curve index `bit` to the row. */
+/* Returns 1 when clusters of the current radius may hold the vertex. */
+static inline int smr_is_member(const smr_plan *p, uint32_t v) { return p->members == 0u || p->stored[v] < p->members; }
+
+/* Returns the vertex of a bit. */
+static inline uint32_t smr_bit_vertex(const smr_plan *p, uint32_t bit)
+{
+    return p->members > 0u ? p->of_bit[bit] : bit;
+}
+
+/* Adds the vertex of `bit` to the row. */
 static inline void smr_row_set(uint64_t *row, uint32_t words, uint32_t bit)
 {
     row[bit / 64u] |= (uint64_t)1 << (bit % 64u);
