@@ -6,7 +6,6 @@
 #include "registration/registration.h"
 
 #define SMR_FIRST_CLOUD 3u /* factor on the number of iterations at the first radius with clouds: slow convergence */
-#define SMR_REPAIR_MAX 30u /* largest number of iterations of fold repair before a radius starts */
 
 void smr_radius_go(smr *s, uint32_t radius);  /* makes this the current radius, before its first iteration */
 void smr_radius_take(smr *s);                 /* sets clusters, momentum and search distance of the current radius */

@@ -32,6 +32,12 @@ uint32_t smr_fold_find_tasks(const void *arg)
     return smr_folds_guarded(f->shared, f->schedule) ? f->n_dihedral_tasks : 0u;
 }
 
+uint32_t smr_fold_ahead_tasks(const void *arg)
+{
+    const uint32_t repairing = ((const smr_folds *)arg)->schedule->repairing; /* from the second one on x^r is x */
+    return repairing > 1u && repairing < SMR_REPAIR_MAX ? smr_fold_find_tasks(arg) : 0u;
+}
+
 #define SMR_FIND_PIECE 128u   /* number of dihedral edges that a worker tests before the worker may stop */
 #define SMR_WORK_DIHEDRAL 30u /* instructions at most for a dihedral edge that does not bend, ... */
 #define SMR_WORK_BENT 400u    /* ... and for a dihedral edge that bends */

@@ -67,7 +67,8 @@ void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
 void smr_folds_reset(smr_folds *f); /* clears the passes when an iteration is complete or abandoned */
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* returns 1 where folds are searched for */
 
-smr_count_tasks smr_fold_find_tasks;
+/* smr_fold_ahead_tasks: tasks of a search in x, in iterations of repair whose forces nothing may need. */
+smr_count_tasks smr_fold_find_tasks, smr_fold_ahead_tasks;
 smr_run_task smr_fold_find;
 void smr_fold_find_end(smr_folds *f); /* starts repair, limit or open where folds were found */
 

@@ -12,6 +12,8 @@
 #define SMR_MATCH_CHUNK 32u     /* number of vertices in a task whose vertices take much time */
 #define SMR_TRIANGLE_CHUNK 256u /* number of triangles in a task */
 
+#define SMR_REPAIR_MAX 30u /* largest number of iterations of fold repair before a radius starts */
+
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 

@@ -147,6 +147,8 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
 
 /* clang-format off */
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
+    /* iterations of fold repair: search for folds, which may lead to the repair at once */
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, find_end),
     /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
@@ -212,6 +214,17 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
 #define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
 _Static_assert(SMR_STEPS <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
+
+void smr_skip_forces(smr *s)
+{
+    if (smr_fold_repair_tasks(&s->folds) == 0u || s->forces.unmeasured || (s->shared.parts & SMR_PART_CALLER) != 0u)
+        return;
+    memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
+    memset(s->forces.surface.other, 0, s->shared.n * sizeof *s->forces.surface.other); /* x moves without a search */
+    evolve_end(s);
+    while (smr_steps[s->step + 1u].run != smr_fold_repair_pass)
+        s->step++;
+}
 
 /* Returns 1 while the current iteration still reads targets: later steps use copies. */
 int smr_forces_pending(const smr *s)
