@@ -61,6 +61,13 @@ static inline float smr_positive(float a)
     return a;
 }
 
+/* 1: memory that is used soon is prefetched. Microcontrollers hardly wait for memory. */
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+#define SMR_PREFETCHES 0
+#else
+#define SMR_PREFETCHES 1
+#endif
+
 /* Returns 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 

@@ -93,6 +93,23 @@ static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDT
     return height;
 }
 
+/* Prefetch what a search reads first that tries triangle i; later, when that has been read, also its corners. */
+static inline void smr_tree_ahead(const smr_box_tree *f, uint32_t i)
+{
+    if (i >= f->n_triangles)
+        return;
+    const float *const box = f->node[i / SMR_TREE_WIDTH].lo[0];
+    for (uint32_t k = 0; k < sizeof(smr_node) / sizeof *box; k += 2u * SMR_TREE_WIDTH)
+        __builtin_prefetch(box + k);
+    __builtin_prefetch(f->normal + 3u * (size_t)i);
+    __builtin_prefetch(f->triangle + 3u * (size_t)i);
+}
+static inline void smr_tree_ahead_corners(const smr_box_tree *f, uint32_t i)
+{
+    for (uint32_t c = 0; c < 3u && i < f->n_triangles; c++)
+        __builtin_prefetch(f->xyz + 3u * (size_t)f->triangle[3u * (size_t)i + c]);
+}
+
 /* The input of a search for the closest triangle. */
 typedef struct smr_query {
     smr_vec point;        /* position from which triangles are searched, mm */

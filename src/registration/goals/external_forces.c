@@ -93,6 +93,8 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
             return;
         if (looks && v + 1u < n_active)
             f->image.calls->ahead(&f->image, v + 1u); /* reading voxels takes as long as the work on a vertex */
+        if (SMR_PREFETCHES)
+            smr_surface_goal_ahead(&f->surface, v);
         f->found[v] = smr_sources_goal(f, v, &w->pause, &displacement, &residual);
         if (smr_worker_kept(w, v - first, done))
             return;

@@ -129,6 +129,21 @@ typedef struct smr_surface_find {
     smr_vec displacement; /* from the vertex to the closest point, mm */
 } smr_surface_find;
 
+#define SMR_AHEAD 8u /* number of searches that memory is read ahead */
+
+/* Prefetches what the searches of the vertices behind v read. */
+static inline void smr_surface_goal_ahead(const smr_surface_goals *g, uint32_t v)
+{
+    const uint32_t last = g->schedule->n_active - 1u, far = smr_min_u32(v + SMR_AHEAD, last);
+    const uint32_t near = smr_min_u32(v + SMR_AHEAD / 2u, last);
+    const smr_surface *surface = g->target[smr_model_owner(g->shared->model, far)].surface;
+    if (surface != NULL)
+        smr_tree_ahead(&surface->tree, g->warm[far]);
+    surface = g->target[smr_model_owner(g->shared->model, near)].surface;
+    if (surface != NULL)
+        smr_tree_ahead_corners(&surface->tree, g->warm[near]);
+}
+
 /* Finds the displacement from vertex v to its goal on the target mesh, mm. Returns 0 without a goal, and when the
  * search stopped: pause->kept. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_pause *pause,

@@ -37,20 +37,21 @@ static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query 
     q->normal = smr_scale(view, 1.0f / length);
 }
 
-/* Finds the closest acceptable model point on structures with this target, first on the structure found last, whose
- * distance shortens the other searches. Returns 0 when the work ended. */
-static int closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
-                             smr_worker *w, smr_certainty *known)
+/* Finds the closest acceptable model point on structures with this target, the last of which is `last`: first on the
+ * structure found last, whose distance shortens the other searches. Returns 0 when the work ended. */
+static int closest_structure(const smr_surface_goals *g, const smr_goal *goal, uint32_t last, smr_query *q,
+                             uint32_t warm, smr_worker *w, smr_certainty *known)
 {
+    const smr_surface *const surface = goal->surface;
     const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
-    const uint32_t n_structures = g->shared->n_structures;
+    const uint32_t n = last + 1u - goal->structure;
     smr_near_list further;
-    for (; w->task.pull.at < 2u * n_structures && !known->sure; w->task.pull.at++) {
-        const uint32_t i = w->task.pull.at < n_structures ? w->task.pull.at : w->task.pull.at - n_structures;
+    for (; w->task.pull.at < 2u * n && !known->sure; w->task.pull.at++) {
+        const uint32_t i = goal->structure + (w->task.pull.at < n ? w->task.pull.at : w->task.pull.at - n);
         const smr_shape_structure *one = &g->shape->structure[i];
         const uint32_t local = warm - one->first_triangle;
-        const int is_warm = warm != SMR_NONE && local < one->tree.n_triangles;
-        if (g->target[i].surface != surface || is_warm != (w->task.pull.at < n_structures))
+        const int is_warm = local < one->tree.n_triangles;
+        if (g->target[i].surface != surface || is_warm != (w->task.pull.at < n))
             continue;
         if (bare)
             face_view(g, i, q);
@@ -92,8 +93,9 @@ static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one,
     }
 }
 
-/* Finds the model point closest to target vertex j, and adds the vertex' pulls on the model. */
-static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, smr_worker *w, int64_t *pull)
+/* Finds the model point closest to target vertex j on structures up to `last`; adds the vertex' pulls on the model. */
+static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, uint32_t j, smr_worker *w,
+                     int64_t *pull)
 {
     const smr_surface *surface = goal->surface;
     const uint32_t slot = goal->first_warm + j;
@@ -112,13 +114,13 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, smr
     const smr_target *target = &g->target[goal->structure]; /* where structures share it, nothing is ever known */
     smr_certainty known = smr_known(g, g->target_other[slot] - target->path, target->moved, SMR_LEARN_PULL, &w->pause);
     g->target_other[slot] = 0.0f; /* a search that is continued does not need the old value */
-    if (!closest_structure(g, surface, &q, g->target_warm[slot], w, &known) || w->task.pull.found == SMR_NONE)
+    if (!closest_structure(g, goal, last, &q, g->target_warm[slot], w, &known) || w->task.pull.found == SMR_NONE)
         return;
     const smr_hit *hit = &w->task.pull.hit;
     const smr_near_list *near = &w->task.pull.near;
     const smr_shape_structure *one = &g->shape->structure[w->task.pull.found];
     g->target_other[slot] = known.other_mm + target->path - SMR_KEY_ROUNDED;
-    g->target_warm[slot] = one->first_triangle + hit->triangle;
+    __atomic_store_n(&g->target_warm[slot], one->first_triangle + hit->triangle, __ATOMIC_RELAXED);
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit->triangle, hit->weight));
     const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
     smr_residual_put(g, slot, SMR_SQRT(r2));
@@ -127,6 +129,17 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t j, smr
     smr_work(&w->pause, near->n * SMR_WORK_PULL);
     for (uint32_t i = 0; i < near->n; i++)
         add_pull(g, one, y, &near->item[i], weight, pull);
+}
+
+/* Prefetches what the searches of the target vertices behind j read. Other workers may be writing their triangles. */
+static void ahead(const smr_surface_goals *g, const smr_goal *goal, uint32_t j)
+{
+    const smr_shape_structure *const one = &g->shape->structure[goal->structure];
+    const uint32_t *const warm = g->target_warm + goal->first_warm;
+    const uint32_t last = goal->n_vertices - 1u, far = smr_min_u32(j + SMR_AHEAD, last);
+    const uint32_t near = smr_min_u32(j + SMR_AHEAD / 2u, last);
+    smr_tree_ahead(&one->tree, __atomic_load_n(&warm[far], __ATOMIC_RELAXED) - one->first_triangle);
+    smr_tree_ahead_corners(&one->tree, __atomic_load_n(&warm[near], __ATOMIC_RELAXED) - one->first_triangle);
 }
 
 void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
@@ -140,6 +153,9 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     const smr_goal *goal = &g->goal[k];
     if (!smr_attracts(g, goal->surface))
         return;
+    uint32_t structure = g->shared->n_structures - 1u; /* the last one with this target */
+    while (structure > goal->structure && g->target[structure].surface != goal->surface)
+        structure--;
     const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     const uint32_t work = SMR_WORK_TARGET + SMR_WORK_STRUCTURE * g->shared->n_structures;
@@ -147,7 +163,9 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t j = first + w->at; j < last; j++) {
         if (smr_worker_stops(w, j - first))
             return;
-        pull_one(g, goal, j, w, pull);
+        if (SMR_PREFETCHES)
+            ahead(g, goal, j);
+        pull_one(g, goal, structure, j, w, pull);
         if (smr_worker_kept(w, j - first, work))
             return;
     }
