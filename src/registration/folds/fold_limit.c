@@ -159,6 +159,7 @@ static void next_structure(smr_folds *f, uint32_t stage)
         return;
     l->pass.structure = 0;
     l->pass.stage = SMR_LIMIT_LOOK;
+    memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding); /* without requests nothing moves */
     l->round = l->most < SMR_ENOUGH && l->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : l->round + 1u;
     l->most = 0.0f;
 }

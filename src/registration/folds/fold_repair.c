@@ -59,19 +59,22 @@ static void clear_ring(smr_folds *f, uint32_t v)
     f->rings.weight[v] = 0.0f;
 }
 
-/* Clears the sums of triangles with marked corners, and marks the runs of these triangles. */
+/* Clears the sums of triangles with marked corners, stores the corners' rest shape, and marks the triangles' runs. */
 static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++) {
         if (!smr_any_marked(f, triangle))
             continue;
         smr_run_touch(f, triangle);
-        for (uint32_t c = 0; c < 3u; c++)
-            clear_ring(f, smr_corners(f, triangle)[c]);
+        for (uint32_t c = 0; c < 3u; c++) {
+            const uint32_t v = smr_corners(f, triangle)[c];
+            clear_ring(f, v);
+            smr_put3(f->rings.displacement, v, smr_rest_posed(f->shape, v));
+        }
     }
 }
 
-SMR_SHARED static smr_vec rest_of(const smr_folds *f, uint32_t v) { return smr_rest_posed(f->shape, v); }
+static smr_vec rest_of(const smr_folds *f, uint32_t v) { return smr_get3(f->rings.displacement, v); }
 
 /* Adds a triangle to the sums of neighbours' displacements. Near neighbours weigh more: slivers' corners move alike. */
 static void sum_ring(smr_folds *f, const uint32_t *t)

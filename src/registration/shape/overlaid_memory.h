@@ -57,10 +57,11 @@ typedef union smr_tally {
 
 /* Sums over the mesh neighbours of each vertex, in the memory of the records. */
 typedef struct smr_rings {
-    float *sum;          /* [n][3] sum of the mesh neighbours' displacements, positions or steps, mm */
-    float *weight;       /* [n] sum of the neighbours' weights in `sum` */
-    float *displacement; /* [n][3] tangential smoothing: displacement of x from the posed rest shape, mm */
-    float *requested;    /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
+    float *sum;    /* [n][3] sum of the mesh neighbours' displacements, positions or steps, mm */
+    float *weight; /* [n] sum of the neighbours' weights in `sum` */
+    /* [n][3] tangential smoothing: displacement of x from the posed rest shape; fold repair: that shape near folds, mm */
+    float *displacement;
+    float *requested; /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
 } smr_rings;
 
 /* Adds value [n][3] of each corner of triangle t to the sums of the other two: a neighbour counts once a triangle. */
