@@ -155,6 +155,55 @@ TEST(test_repairs)
     assert_int_equal(0, after);
 }
 
+/* Folds a model that an iteration of repair has left, as if folds remained; x_next stays as it was before. */
+static void fold_again(smr *s, uint32_t seed)
+{
+    const size_t bytes = 3u * s->shared.n * sizeof(float);
+    float before[3 * SIDE * SIDE];
+    memcpy(before, s->shape.x_next, bytes);
+    step_over(s, 12, seed);
+    memcpy(s->shape.x, s->shape.x_next, bytes);
+    memcpy(s->shape.x_ref, s->shape.x, bytes);
+    memcpy(s->shape.x_next, before, bytes);
+    smr_triangles_now(&s->shape);
+    smr_certainties_clear(&s->forces.surface);
+    smr_guard_close(s);
+}
+
+/* Forces do not act in repairs. Iterations that leave them out end as those do that compute them, as with functions of
+ * the caller, and so does all that comes later. */
+TEST(test_repairs_without_forces)
+{
+    const smr_mesh mesh = sheet(), bent = bent_sheet(0.95f);
+    const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
+    uint32_t n_without = 0;
+    for (uint32_t seed = 1; seed < 10u; seed++) {
+        smr *s[2];
+        for (uint32_t i = 0; i < 2u; i++) {
+            smr_config c = smr_config_default();
+            c.caller.force = i == 0u ? SMR_CALLER_OFF : SMR_CALLER_ON;
+            c.basic.n_target_vertices = SIDE * SIDE;
+            c.partial.coverage = SMR_COVERAGE_WHOLE;
+            s[i] = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+            assert_int_equal(SMR_OK, smr_set_surface(s[i], 0, rig_surface(&bent)));
+        }
+        for (uint32_t tick = 0; tick < 30u && !s[0]->schedule.done; tick++) {
+            for (uint32_t i = 0; i < 2u; i++) {
+                if (tick < 4u)
+                    fold_again(s[i], seed + 10u * tick);
+                if (i == 0u && tick > 0u && tick < 4u) /* what is no longer true and must be forgotten */
+                    memset(s[i]->forces.surface.other, 255, s[i]->shared.n * sizeof *s[i]->forces.surface.other);
+                assert_int_equal(SMR_OK, smr_tick(s[i], 0, NULL));
+            }
+            n_without += s[0]->forces.totals.mean != s[1]->forces.totals.mean;
+            assert_true(s[0]->report.state_hash == s[1]->report.state_hash);
+            assert_int_equal(s[0]->schedule.repairing, s[1]->schedule.repairing);
+        }
+        assert_float_equal(s[0]->report.residual_mean_mm, s[1]->report.residual_mean_mm, 0.0f);
+    }
+    assert_true(n_without > 20u);
+}
+
 /* A model with a crease, whose next positions have it sharper; how many hinges there turn back before and after. */
 static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, uint32_t *after, float *moved)
 {

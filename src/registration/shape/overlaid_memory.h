@@ -59,7 +59,7 @@ typedef union smr_tally {
 typedef struct smr_rings {
     float *sum;    /* [n][3] sum of the mesh neighbours' displacements, positions or steps, mm */
     float *weight; /* [n] sum of the neighbours' weights in `sum` */
-    /* [n][3] tangential smoothing: displacement of x from the posed rest shape; fold repair: that shape near folds, mm */
+    /* [n][3] tangential smoothing: displacement from the posed rest shape; fold repair: that shape near folds, mm */
     float *displacement;
     float *requested; /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
 } smr_rings;

@@ -217,7 +217,10 @@ const uint32_t smr_n_steps = SMR_STEPS;
 
 void smr_skip_forces(smr *s)
 {
-    if (smr_fold_repair_tasks(&s->folds) == 0u || s->forces.unmeasured || (s->shared.parts & SMR_PART_CALLER) != 0u)
+    const smr_forces *f = &s->forces;
+    const uint32_t needed = f->unmeasured | f->surface.partial | f->surface.n_clouds | f->landmarks.n |
+                            (s->shared.parts & (SMR_PART_CALLER | SMR_PART_IMAGE));
+    if (s->folds.repair.pass.stage == 0u || needed != 0u)
         return;
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
     memset(s->forces.surface.other, 0, s->shared.n * sizeof *s->forces.surface.other); /* x moves without a search */
