@@ -18,7 +18,7 @@ void smr_folds_reset(smr_folds *f)
     memset(&f->repair, 0, sizeof f->repair);
     memset(&f->limit, 0, sizeof f->limit);
     memset(&f->open, 0, sizeof f->open);
-    f->moved = 0;
+    f->moved = f->alone = 0;
 }
 
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p)

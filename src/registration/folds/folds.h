@@ -55,6 +55,7 @@ typedef struct smr_folds {
     uint32_t n_folding;        /* number of folded dihedral edges when the repair began */
     uint32_t n_guarded;        /* number of vertices that fold steps changed in this iteration */
     uint32_t moved;            /* 1: x_next has changed and the triangles must be updated */
+    uint32_t alone;            /* 1: an iteration of repair without forces */
     smr_fold_repair repair;
     smr_fold_limit limit;
     smr_fold_open open;

@@ -132,6 +132,32 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
     smr_place_reset(s);
 }
 
+/* After the first search of an iteration of repair: where that has found folds, the repair goes without forces, unless
+ * forces must measure a new target, follow from those before (visibility, images) or call the caller. */
+static void ahead_end(smr *s)
+{
+    const smr_forces *f = &s->forces;
+    const uint32_t needed = f->unmeasured | f->surface.partial | f->surface.n_clouds | f->landmarks.n |
+                            (s->shared.parts & (SMR_PART_CALLER | SMR_PART_IMAGE));
+    find_end(s);
+    s->folds.alone = s->folds.repair.pass.stage > 0u && needed == 0u;
+}
+
+static uint32_t skip_tasks(const void *arg)
+{
+    const smr *s = arg;
+    return s->folds.alone ? s->shared.n_tasks : 0u;
+}
+
+static void skip_forces(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr *s = arg;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
+        smr_put3(s->shape.x_next, v, smr_get3(s->shape.x, v));
+        s->forces.surface.other[v] = 0; /* x moves without a search */
+    }
+}
+
 /* Rows of steps, whose tasks run in any order, or one after the other (SERIAL). cost: thousands of instructions of a
  * task at most on a Cortex-M7; 0: tasks count their work. */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
@@ -147,8 +173,9 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
 
 /* clang-format off */
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
-    /* iterations of fold repair: search for folds, which may lead to the repair at once */
-    SMR_STEP(PLAIN, EVOLVE, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, find_end),
+    /* iterations of fold repair: search for folds; where there are some, the repair follows at once */
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, ahead_end),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, 4, magic, skip_tasks, skip_forces, evolve_end),
     /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
@@ -215,18 +242,13 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
 _Static_assert(SMR_STEPS <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
 
-void smr_skip_forces(smr *s)
+uint32_t smr_last_left_out(const smr *s)
 {
-    const smr_forces *f = &s->forces;
-    const uint32_t needed = f->unmeasured | f->surface.partial | f->surface.n_clouds | f->landmarks.n |
-                            (s->shared.parts & (SMR_PART_CALLER | SMR_PART_IMAGE));
-    if (s->folds.repair.pass.stage == 0u || needed != 0u)
-        return;
-    memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
-    memset(s->forces.surface.other, 0, s->shared.n * sizeof *s->forces.surface.other); /* x moves without a search */
-    evolve_end(s);
-    while (smr_steps[s->step + 1u].run != smr_fold_repair_pass)
-        s->step++;
+    uint32_t step = s->step;
+    if (smr_steps[step].run == skip_forces && s->folds.alone)
+        while (smr_steps[step + 1u].run != smr_fold_repair_pass)
+            step++;
+    return step;
 }
 
 /* Returns 1 while the current iteration still reads targets: later steps use copies. */

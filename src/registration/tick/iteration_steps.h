@@ -59,10 +59,10 @@ static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
 
 smr_run_task smr_refit_again; /* step: updates triangles after fold steps */
 smr_run_task smr_commit;      /* last step: makes new positions current */
-/* After the first step, where that has found folds to repair: goes on with the repair. Without forces, which do not act
- * then, clusters neither move nor turn. Not in the last iteration of a repair, from whose forces later ones start, and
- * not where forces measure a new target, follow from those before (visibility, images) or call the caller. */
-void smr_skip_forces(smr *s);
+/* Returns the current step, or the last one that an iteration of repair leaves out behind it: without forces, which do
+ * not act then, clusters neither move nor turn. The last iteration of a repair, from whose forces later ones start, has
+ * all steps. */
+uint32_t smr_last_left_out(const smr *s);
 int smr_forces_pending(const smr *s);        /* 1: the forces of the current iteration are not yet complete */
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
