@@ -561,6 +561,8 @@ typedef struct smr_align_report {
     uint32_t given;             /* 1: the result is the known pose, config.given (NULL: the identity) */
     uint32_t model_inside_out;  /* 1: a closed model with triangles facing inwards, which smr_align() reverses */
     uint32_t target_inside_out; /* 1: a closed target with triangles facing inwards, which smr_align() reverses */
+    uint32_t n_other;           /* number of clearly different poses that were compared */
+    smr_pose other[3];          /* [n_other] these, cheapest first: starts for smr_articulated_begin() */
 } smr_align_report;
 
 typedef struct smr_align_part {
@@ -570,30 +572,28 @@ typedef struct smr_align_part {
     uint32_t order;                    /* result: 1..n_parts, the order of placement; the largest is first */
 } smr_align_part;
 
-/* Finds the pose that lays `model`, or a part, onto `target`, or a part, which may be a cloud
- * (smr_points_surface()). With config.part each structure then gets its own rigid pose from rest, for
- * smr_set_positions(): joints are where surfaces touch at rest, and *pose is the whole's. memory: SMR_ALIGN-aligned,
- * smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL, E_STATE (not a surface), E_CONFIG,
- * E_ALIGN, E_ARENA, E_INPUT (no pose, or config.given is not a rotation, a scale and a translation). */
+/* Finds the pose that lays `model`, or a part, onto `target`, or a part, also a cloud. With config.part each structure
+ * then gets its own rigid pose from rest, for smr_set_positions(): joints are where surfaces touch at rest, and *pose
+ * is the whole's. memory: SMR_ALIGN-aligned, smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL,
+ * E_STATE (not a surface), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (no pose, or config.given is none). */
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report);
 smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                            void *memory, size_t bytes, smr_pose *pose, smr_align_report *report, smr_job *job);
 
-/* Finds start positions xyz[n_vertices][3], mm, for smr_set_positions(), of one surface whose parts have turned about
- * joints, as limbs do. The target may show a part. start: a pose in which one part of the model lies about right.
- * *bent 0: the pose explains both surfaces, or turned parts do not; xyz is unchanged. memory: SMR_ALIGN-aligned,
- * smr_articulated_bytes(). Errors: E_NULL, E_STATE (no surface, or a cloud), E_INPUT (start), E_ALIGN, E_ARENA. */
+/* Finds start positions xyz[n_vertices][3], mm, of one surface whose parts have turned about joints. The target may
+ * show a part. start: one part lies about right in it. *bent 0: it explains both surfaces, or turned parts do not; xyz
+ * stays. Else 1 + 1e6 * the unexplained share, 0..1.5: of several starts the least is right. memory: SMR_ALIGN-aligned,
+ * smr_articulated_bytes(). Errors: E_NULL, E_STATE (no mesh), E_INPUT (start), E_ALIGN, E_ARENA. */
 smr_status smr_articulated_bytes(const smr_surface *model, const smr_surface *target, size_t *bytes);
 smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *target, const smr_pose *start,
                                  const smr_port *port, void *memory, size_t bytes, float *xyz, uint32_t *bent,
                                  smr_job *job);
 
-/* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm. scaled 0: the pose is rigid; 1: it
- * has one scale, the ratio of the spreads. *rms_mm (may be NULL) is the rms of the remaining distances. Of several
- * best rotations (fewer than 3 pairs, or all on one line) one is returned. Errors: E_NULL, E_INPUT (a count, scaled
- * above 1, non-finite, beyond SMR_COORD_MAX). */
+/* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm; scaled 1: with one scale, the ratio of
+ * spreads. *rms_mm (or NULL): rms of the remaining distances. Of several best rotations (fewer than 3 pairs, or all on
+ * a line) it is one. Errors: E_NULL, E_INPUT (a count, scaled above 1, non-finite, beyond SMR_COORD_MAX). */
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 

@@ -152,7 +152,7 @@ class AlignReport(_Struct):
     """What align() found. Distances (mm) are those of the parts that both surfaces have; *_share: 0..1 of the area."""
     _fields_ = [("rms_mm", _F), ("model_share", _F), ("target_share", _F), ("scale", _F), ("second_rms_mm", _F),
                 ("mirrored_rms_mm", _F), ("n_alike", _U), ("given", _U), ("model_inside_out", _U),
-                ("target_inside_out", _U)]
+                ("target_inside_out", _U), ("n_other", _U), ("other", _Pose * 3)]
 
 
 _AlignPart = _struct("_AlignPart", ("model", _P), ("target", _P), ("pose", _Pose), ("report", AlignReport),

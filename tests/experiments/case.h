@@ -61,6 +61,7 @@ typedef struct case_figures {
     double vertex;   /* mean distance of the vertices to their true places; -1: no such vertex */
     double worst;    /* the largest of them */
     double unseen;   /* the same where the target has not the place */
+    double shown;    /* the same where the target has it */
 } case_figures;
 
 static inline double case_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -117,8 +117,15 @@ void case_figure(char **word)
     bend_joints(&body->truth, atof(word[1]));
     bend_joints(&body->whole, atof(word[1]));
     bend_joints(&body->target, atof(word[1]));
-    if (atoi(word[2]))
+    if (atoi(word[2])) {
+        float top = -1e9f;
         case_keep_shares(&body->target, 0.0, 2.0 / 3.0);
+        for (uint32_t v = 0; v < body->target.n_vertices; v++)
+            top = fmaxf(top, body->target.xyz[3u * (size_t)v + 2u]);
+        body->seen = case_alloc(body->model.n_vertices, 1);
+        for (uint32_t v = 0; v < body->model.n_vertices; v++)
+            body->seen[v] = body->truth.xyz[3u * (size_t)v + 2u] <= top;
+    }
     free(scratch);
     case_write(data, word[3]);
 }

@@ -113,6 +113,7 @@ case_figures case_measure(const case_data *data, const float *const *xyz)
     f.surface = fmax(f.to, f.from);
     f.vertex = count[0] > 0.0 ? sum[0] / count[0] : -1.0;
     f.unseen = count[1] > 0.0 ? sum[1] / count[1] : -1.0;
+    f.shown = count[0] > count[1] ? (sum[0] - sum[1]) / (count[0] - count[1]) : -1.0;
     return f;
 }
 
@@ -233,8 +234,8 @@ void case_tell(const case_data *data, const char *directory)
             case_fail(path);
     }
     const case_figures f = case_measure(data, xyz);
-    (void)printf("surface %.4f\nvertex %.4f\nworst %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.worst,
-                 f.unseen, turned(&data->body[0].model, &result[0]));
+    (void)printf("surface %.4f\nvertex %.4f\nworst %.4f\nunseen %.4f\nshown %.4f\nturned %.1f\n", f.surface, f.vertex,
+                 f.worst, f.unseen, f.shown, turned(&data->body[0].model, &result[0]));
     const case_body *const first = &data->body[0];
     if (f.unseen >= 0.0) /* where it is shown */
         (void)printf("to_seen %.4f\n", case_surface_mean(&result[0], &first->whole, first->seen, NULL));

@@ -381,7 +381,7 @@ group_volume() {
 
 # Hip bone, femur and patella, deformed by 3 mm with noise of 0.5 mm, the hip flexed: onto a target of each, and onto one
 # file of all. A figure of one surface with bent limbs, whole and without its upper third, whose arms nothing shows: the
-# whole one is found, and the verdict is good on neither.
+# whole one is found, the third's lack moves little of the rest, and the verdict is good on neither.
 group_joints() {
     need hip_thigh_vhm || return
     v=data/hip_thigh_vhm
@@ -399,13 +399,14 @@ group_joints() {
         rm -r case
     done; done
     full || return 0
-    for degrees in $(either all '20 40 60 90' 60); do for cut in $(either all '0 1' 0); do
+    for degrees in $(either all '20 40 60 90' '20 40 60'); do for cut in 0 1; do
         row=figure:$degrees:$cut
         tool figure 1 $degrees $cut case
         register $row --model case/model/*.ply --target case/target/*.ply --align rigid
         measure $row case
         bound "$row: good" "$row.good" 0
-        [ $cut -eq 1 ] || within $row surface 0.3 vertex 2+$degrees/9
+        [ $cut -eq 1 ] || within $row surface 0.3 vertex 0.5+$degrees*$degrees/1000
+        [ $row != figure:40:1 ] || within $row shown 5
         rm -r case
     done; done
 }

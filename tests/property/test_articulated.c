@@ -76,14 +76,34 @@ TEST(test_bends)
         const smr_mesh target = bent(&straight, degrees[i][1]), cut = between(&target, &straight, -300, 160);
         const smr_port port = rig_port(RIG_SHUFFLE, 3);
         float *at = rig_alloc(12u * (size_t)rest.n_vertices), *again = rig_alloc(12u * (size_t)rest.n_vertices);
-        assert_true(found(&rest, &target, &here, 0, NULL, at) == 1u);
+        assert_true(found(&rest, &target, &here, 0, NULL, at) > 0u);
         assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
-        assert_true(found(&rest, &target, &here, 997u, &port, again) == 1u);
+        assert_true(found(&rest, &target, &here, 997u, &port, again) > 0u);
         assert_memory_equal(at, again, 12u * (size_t)rest.n_vertices);
-        assert_true(found(&rest, &cut, &here, 0, NULL, at) == 1u);
+        assert_true(found(&rest, &cut, &here, 0, NULL, at) > 0u);
         assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < CUT_MM);
         rig_free_all();
     }
+}
+
+/* A limb, thicker on one side of its lower half, started in place and turned about its length: the least is right. */
+TEST(test_tells_back_from_front)
+{
+    static const smr_pose back = {{{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}}};
+    const smr_mesh rest = limb();
+    float *xyz = (float *)(uintptr_t)rest.xyz, *at = rig_alloc(12u * (size_t)rest.n_vertices);
+    for (uint32_t v = 0; v < rest.n_vertices; v++) {
+        const float from = (xyz[3u * v + 2u] + 90.0f) / 50.0f;
+        xyz[3u * v + 1u] *= xyz[3u * v + 1u] > 0.0f ? 1.0f + 0.5f / (1.0f + from * from) : 1.0f;
+    }
+    for (float degrees = 30.0f; degrees < 60.0f; degrees += 20.0f) {
+        const smr_mesh target = bent(&rest, degrees);
+        const uint32_t turned = found(&rest, &target, &back, 0, NULL, at);
+        const uint32_t right = found(&rest, &target, &here, 0, NULL, at);
+        assert_true(right > 0u && (turned == 0u || turned > 2u * right));
+        assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
+    }
+    rig_free_all();
 }
 
 /* A ball beside the limb, which no neighbour joins, and a needle without area, whose far corners are in no patch. */
@@ -98,7 +118,7 @@ TEST(test_keeps_the_rest)
     const uint32_t n = model.n_vertices - rest.n_vertices;
     float *at = rig_alloc(12u * (size_t)model.n_vertices);
     ((uint32_t *)(uintptr_t)model.triangles)[3u * model.n_triangles - 3u] = 0; /* begins at the limb's tip */
-    assert_true(found(&model, &target, &here, 0, NULL, at) == 1u);
+    assert_true(found(&model, &target, &here, 0, NULL, at) > 0u);
     assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
     assert_true(rig_far(at + 3u * (size_t)rest.n_vertices, model.xyz + 3u * (size_t)rest.n_vertices, n) < 1.0e-3f);
     rig_free_all();
@@ -111,7 +131,7 @@ TEST(test_leaves_alone)
     static const float across[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint32_t flat[3] = {0, 1, 2};
     const smr_mesh rest = limb(), moved = rig_moved(&rest, same, near), away = rig_moved(&rest, same, far);
-    const smr_mesh part = between(&rest, &rest, -300, 0), little = bent(&rest, 5.0f),
+    const smr_mesh part = between(&rest, &rest, -300, 0), little = bent(&rest, 2.0f),
                    large = rig_ball(300, 80, 60, centre);
     const smr_mesh thin = {line, flat, 3, 1}, turned = bent(&rest, 60.0f), low = between(&turned, &rest, -300, 40);
     const smr_mesh high = between(&turned, &rest, 70, 300), gap = rig_joined((const smr_mesh[]){low, high}, 2);

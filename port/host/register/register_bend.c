@@ -5,6 +5,8 @@
 #include "base/system.h"
 #include "register/register_job.h"
 
+#define SAME 5000u /* what turned parts of the same body leave at most, as smr_articulated_begin() says it */
+
 /* Finds start positions from a pose: xyz is written, and *bent 1, where parts have turned. */
 static smr_status bend_from(const host_job *job, const smr_surface *model, const smr_surface *target,
                             const smr_pose *pose, float *xyz, uint32_t *bent)
@@ -32,25 +34,43 @@ static int may_bend(const host_job *job)
            job->options->resume == NULL;
 }
 
+/* Finds start positions from the poses that the alignment compared, and from the place where the files have the model:
+ * the one that leaves least counts, of the last half. If the best pose needs no turned parts, another one must explain
+ * all. */
+static smr_status bend(const host_job *job, const smr_surface *model, float *xyz, float *trial, uint32_t *bent)
+{
+    static const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const smr_align_report *const found = &job->align_report;
+    const size_t bytes = 3u * sizeof *xyz * job->model.part[0].mesh.n_vertices;
+    uint32_t left = 0;
+    smr_status status = bend_from(job, model, job->target[0].surface, &job->pose, xyz, bent);
+    uint32_t most = *bent > 0u ? *bent : SAME;
+    for (uint32_t i = 0; status == SMR_OK && (*bent > 0u || found->n_alike > 1u) && i <= found->n_other; i++) {
+        const smr_pose *const pose = i < found->n_other ? &found->other[i] : &here;
+        status = bend_from(job, model, job->target[0].surface, pose, trial, &left);
+        if (status != SMR_OK || left == 0u || (pose == &here && *bent > 0u ? left / 2u : left) >= most)
+            continue;
+        memcpy(xyz, trial, bytes);
+        *bent = most = left;
+    }
+    return status;
+}
+
 int host_job_bend(host_job *job, host_error *error)
 {
-    const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    uint32_t bent = 0, kept = 0;
+    uint32_t bent = 0;
     void *surface_memory = NULL;
     if (!may_bend(job))
         return 0;
     const uint32_t n = job->model.part[0].mesh.n_vertices;
     float *const rest = malloc(3u * sizeof *rest * n);
-    float *const xyz = malloc(3u * sizeof *xyz * n);
+    float *const xyz = malloc(6u * sizeof *xyz * n);
     smr_status status = rest == NULL || xyz == NULL ? SMR_E_ARENA : smr_model_mesh(job->model.model, 0, rest, NULL);
     smr_mesh mesh = host_mesh_view(&job->model.part[0].mesh);
     mesh.xyz = rest; /* as prepared, so that a .smr and the surfaces it was built from give the same bits */
     const smr_surface *const model = status == SMR_OK ? host_surface_make(&mesh, &surface_memory) : NULL;
-    const smr_surface *const target = job->target[0].surface;
     if (status == SMR_OK)
-        status = model == NULL ? SMR_E_ARENA : bend_from(job, model, target, &job->pose, xyz, &bent);
-    if (status == SMR_OK && bent) /* the place where the files have the model counts first */
-        status = bend_from(job, model, target, &here, xyz, &kept);
+        status = model == NULL ? SMR_E_ARENA : bend(job, model, xyz, xyz + 3u * (size_t)n, &bent);
     free(surface_memory);
     free(rest);
     if (bent && status == SMR_OK)

@@ -12,7 +12,12 @@
 #define SMR_BENT_CELLS 1200.0f    /* area of the model / squared radius of a cell */
 #define SMR_BENT_ROUNDS 20u       /* number of rounds in a step */
 #define SMR_BENT_LIMIT 0.12f      /* distance at which a place costs 1 / spread of the model */
-#define SMR_BENT_DEAR 0.3f        /* smallest cost of the start pose on both sides with which parts are bent */
+#define SMR_BENT_LAST 40u         /* number of rounds after all have joined */
+#define SMR_BENT_AGREE 0.05f      /* distance at which members of a part agree by a half / radius of a cell */
+#define SMR_BENT_STRICTER 0.85f   /* this distance / that of the round before; it starts at a radius */
+#define SMR_BENT_DEAR 0.1f        /* smallest cost of the start pose on both sides with which parts are bent */
+#define SMR_BENT_OTHER 0.3f       /* the same cost below which the model may also be another body of the same kind */
+#define SMR_BENT_SAME 0.015f      /* then the largest cost of a result / cost of the start pose, on the better side */
 #define SMR_BENT_LOST 0.75f       /* cost on both sides above which the start pose is no start */
 #define SMR_BENT_CHEAPER 0.5f     /* largest cost of a result / cost of the start pose */
 #define SMR_BENT_UNEXPLAINED 0.2f /* largest cost of the side that a result explains better */
@@ -118,7 +123,7 @@ static void own_cells(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
     bent_job *const j = job;
     const smr_bent *w = j->w;
     smr_patches_own(w);
-    if (w->step == 0u || (!w->joining && w->round == SMR_BENT_ROUNDS)) /* the start pose, or the result, stands */
+    if (w->step == 0u || (w->agree2 > 0.0f && w->round == SMR_BENT_LAST)) /* the start pose, or the result, stands */
         j->head.next_stage = SMR_BENT_MEASURE;
 }
 
@@ -129,16 +134,22 @@ static void fit_motions(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_patch_fit(work_of(job), &work_of(job)->patch[i]);
 }
 
-/* After the rounds of a step the neighbours of all patches join. */
+/* After the rounds of a step the neighbours of all patches join; once there are none, parts become rigid. */
 static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     bent_job *const j = job;
     smr_bent *w = j->w;
     j->head.next_stage = SMR_BENT_FIND;
-    if (++w->round < SMR_BENT_ROUNDS || !w->joining)
+    const float cell2 = w->radius * w->radius;
+    for (uint32_t k = 0; k < w->patch[w->seed].n_near && w->agree2 == 0.0f; k++)
+        w->patch[w->patch[w->seed].member[k]].motion = w->patch[w->seed].motion;
+    if (w->agree2 > 0.0f)
+        w->agree2 = smr_max(SMR_BENT_STRICTER * SMR_BENT_STRICTER * w->agree2, SMR_BENT_AGREE * SMR_BENT_AGREE * cell2);
+    if (++w->round < SMR_BENT_ROUNDS || w->agree2 > 0.0f)
         return;
     w->step++;
-    w->round = w->joining = 0;
+    w->round = 0;
+    w->agree2 = cell2;
     for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
         smr_patch *const p = &w->patch[i];
         for (uint32_t k = 0; k < p->n_links && p->joined == 0u; k++) {
@@ -147,7 +158,7 @@ static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
                 continue;
             p->motion = q->motion;
             p->joined = w->step;
-            w->joining = 1;
+            w->agree2 = 0.0f;
         }
     }
 }
@@ -212,12 +223,15 @@ static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     const float both = smr_cost_of_sides(cost[SMR_MODEL], cost[SMR_TARGET]);
     if (w->step == 0u) {
         w->before = both;
+        w->least = least;
         if (least < SMR_BENT_DEAR || least > SMR_BENT_LOST)
             j->head.next_stage = SMR_BENT_END;
         return;
     }
-    *w->bent = both <= SMR_BENT_CHEAPER * w->before && least <= SMR_BENT_UNEXPLAINED;
-    j->head.next_stage = *w->bent ? SMR_BENT_MOVE : SMR_BENT_END;
+    if (both <= SMR_BENT_CHEAPER * w->before &&
+        least <= (w->least < SMR_BENT_OTHER ? SMR_BENT_SAME * w->least : SMR_BENT_UNEXPLAINED))
+        *w->bent = 1u + (uint32_t)(1.0e6f * both);
+    j->head.next_stage = *w->bent > 0u ? SMR_BENT_MOVE : SMR_BENT_END;
 }
 
 /* Chooses the seed, around which the start pose costs least. */
@@ -230,15 +244,16 @@ static void seed(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker
     for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
         smr_patch *const p = &w->patch[i];
         float sum = 0.0f;
-        for (uint32_t k = 0; k < p->n; k++)
+        for (uint32_t k = 0; k < p->n_near; k++)
             sum += cost_of(w, SMR_MODEL, p->member[k]);
-        best = sum < least * (float)p->n ? p : best;
-        least = smr_min(least, sum / (float)p->n);
+        best = sum < least * (float)p->n_near ? p : best;
+        least = smr_min(least, sum / (float)p->n_near);
         p->joined = p->found = 0;
     }
-    for (uint32_t k = 0; k < best->n; k++)
+    for (uint32_t k = 0; k < best->n_near; k++)
         w->patch[best->member[k]].joined = w->patch[best->member[k]].found = 1;
-    w->step = w->joining = 1;
+    w->seed = (uint32_t)(best - w->patch);
+    w->step = 1;
     w->round = 0;
     j->head.next_stage = SMR_BENT_FIND;
 }

@@ -10,6 +10,8 @@
 #define SMR_BENT_COVER_COS 0.3f /* the same of a cell of the target and of the patch that covers it */
 #define SMR_BENT_BESIDE 1.5f    /* distance beside the middle of a patch up to which it covers / radius of a cell */
 #define SMR_BENT_KEEP 0.05f     /* weight of the present place of a patch relative to that of a near goal */
+#define SMR_BENT_BLEND 3.0f     /* distance beyond which patches hardly count for a place / radius of a cell */
+#define SMR_BENT_PART 6.0f      /* the same for a patch of a part, once all have joined */
 
 /* Adds i to a list without i that is not full. */
 static void add_once(uint32_t *list, uint32_t *n, uint32_t most, uint32_t i)
@@ -40,6 +42,16 @@ void smr_patches_link(const smr_bent *w, uint32_t first, uint32_t last)
     }
 }
 
+/* Adds the neighbours of members first .. last, also of those that join thereby, to the members. */
+static void add_neighbours(const smr_bent *w, smr_patch *p, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < p->n && k <= last; k++) {
+        const smr_patch *q = &w->patch[p->member[k]];
+        for (uint32_t l = 0; l < q->n_links; l++)
+            add_once(p->member, &p->n, SMR_BENT_MEMBERS, q->link[l]);
+    }
+}
+
 void smr_patch_set(const smr_bent *w, uint32_t i)
 {
     static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -50,18 +62,14 @@ void smr_patch_set(const smr_bent *w, uint32_t i)
     p->motion = identity;
     p->joined = 1;
     add_once(p->member, &p->n, SMR_BENT_MEMBERS, i);
-    for (uint32_t ring = 0, k = 0; ring < 2u; ring++)
-        for (const uint32_t end = p->n; k < end; k++) {
-            const smr_patch *q = &w->patch[p->member[k]];
-            for (uint32_t l = 0; l < q->n_links; l++)
-                add_once(p->member, &p->n, SMR_BENT_MEMBERS, q->link[l]);
-        }
+    add_neighbours(w, p, 0, p->n_links); /* neighbours follow the patch itself */
+    p->n_near = p->n;
 }
 
-/* Returns the weight of a patch at a place of the start pose. */
-static float share_at(const smr_bent *w, const smr_patch *p, smr_vec rest)
+/* Returns the weight of a patch at a place of the start pose; reach: radii of cells. */
+static float share_at(const smr_bent *w, const smr_patch *p, smr_vec rest, float reach)
 {
-    const smr_vec d = smr_scale(smr_sub(rest, p->rest), 1.0f / (3.0f * w->radius));
+    const smr_vec d = smr_scale(smr_sub(rest, p->rest), 1.0f / (reach * w->radius));
     const float near = smr_positive(1.0f - smr_dot(d, d));
     return near * near + 0.01f;
 }
@@ -70,9 +78,9 @@ smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest)
 {
     smr_vec sum = smr_v(0, 0, 0);
     float all = 0.0f;
-    for (uint32_t k = 0; k < p->n; k++) {
+    for (uint32_t k = 0; k < p->n_near; k++) {
         const smr_patch *q = &w->patch[p->member[k]];
-        const float share = q->joined > 0u ? share_at(w, q, rest) : 0.0f;
+        const float share = q->joined > 0u ? share_at(w, q, rest, SMR_BENT_BLEND) : 0.0f;
         sum = smr_add(sum, smr_scale(smr_pose_apply(&q->motion, rest), share));
         all += share;
     }
@@ -85,7 +93,7 @@ static int may_follow(const smr_bent *w, const smr_patch *p)
     int near = p->found != 0u, owned = w->owner[p->on] == SMR_NONE;
     for (uint32_t k = 0; k < p->n_links && !near; k++)
         near = w->patch[p->link[k]].found != 0u;
-    for (uint32_t k = 0; k < p->n && !owned; k++)
+    for (uint32_t k = 0; k < p->n_near && !owned; k++)
         owned = p->member[k] == w->owner[p->on];
     return w->step == 0u || (near && owned);
 }
@@ -129,13 +137,21 @@ void smr_patch_fit(const smr_bent *w, smr_patch *p)
     if (p->joined == 0u)
         return;
     p->found = p->weight > 0.0f;
+    const int joining = w->agree2 == 0.0f;
+    if (joining && p->joined == 1u && p != &w->patch[w->seed])
+        return;
+    if (!joining && p->n == p->n_near)
+        add_neighbours(w, p, p->n_links + 1u, SMR_BENT_MEMBERS);
     smr_fit_start(&fit, p->rest, p->at);
-    for (uint32_t k = 0; k < p->n; k++) {
+    for (uint32_t k = 0; k < (joining ? p->n_near : p->n); k++) {
         const smr_patch *q = &w->patch[p->member[k]];
         const smr_vec at = q->joined > 0u ? q->at : smr_pose_apply(&p->motion, q->rest);
         const float all = q->weight + SMR_BENT_KEEP;
         const smr_vec to = smr_add(smr_scale(at, SMR_BENT_KEEP / all), smr_scale(q->goal, q->weight / all));
-        smr_fit_add(&fit, q->rest, to, share_at(w, q, p->rest) * all);
+        const smr_vec off = smr_sub(smr_pose_apply(&p->motion, q->rest), to);
+        const float agrees = joining ? 1.0f : w->agree2 / (w->agree2 + smr_dot(off, off));
+        const float reach = joining ? SMR_BENT_BLEND : SMR_BENT_PART;
+        smr_fit_add(&fit, q->rest, to, share_at(w, q, p->rest, reach) * all * agrees * agrees);
     }
     p->motion = smr_fit_solve(&fit, 0);
 }

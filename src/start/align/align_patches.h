@@ -7,7 +7,7 @@
 #include "start/align/align.h"
 
 #define SMR_BENT_LINKS 10u   /* largest number of neighbours of a patch */
-#define SMR_BENT_MEMBERS 32u /* largest number of members of a patch */
+#define SMR_BENT_MEMBERS 64u /* largest number of members of a patch */
 
 /* A patch: the rigid motion of a cell of the model. Places are mm from the target's origin. */
 typedef struct smr_patch {
@@ -22,8 +22,8 @@ typedef struct smr_patch {
     uint32_t found;                    /* 1: the goal of the round before had a weight */
     uint32_t n_links;                  /* number of neighbours */
     uint32_t link[SMR_BENT_LINKS];     /* [n_links] patches whose cells share an edge with this one */
-    uint32_t n;                        /* number of members */
-    uint32_t member[SMR_BENT_MEMBERS]; /* [n] the patch itself, its neighbours and theirs */
+    uint32_t n_near, n;                /* number of near members: up to neighbours' neighbours; of all members */
+    uint32_t member[SMR_BENT_MEMBERS]; /* [n] the patch itself, its neighbours, theirs and so on */
 } smr_patch;
 
 /* State of a call, in the caller's memory. */
@@ -34,11 +34,12 @@ typedef struct smr_bent {
     float *d2[SMR_SIDES]; /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2 */
     smr_pose start;       /* start pose between coordinates relative to the surfaces' origins */
     float radius;         /* of cells, mm of the target */
+    uint32_t seed;        /* the patch whose near members join first, as a rigid part */
+    float agree2;         /* squared distance at which members of a part agree by a half, mm^2; 0: patches join */
     float limit2;         /* squared distance at which a place costs 1, mm^2 */
-    float before;         /* cost of the start pose */
+    float before, least;  /* cost of the start pose; on the side that it explains better */
     uint32_t step;        /* 0: the start pose is measured */
     uint32_t round;       /* rounds done in this step */
-    uint32_t joining;     /* 1: patches have joined in this step */
     float *xyz;           /* the caller's */
     uint32_t *bent;       /* the caller's */
 } smr_bent;
@@ -56,7 +57,8 @@ smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest);
 void smr_patch_find(const smr_bent *w, smr_patch *p);
 /* Gives each cell of the target to the patch whose closest point there is nearest. */
 void smr_patches_own(const smr_bent *w);
-/* Fits the motion to goals and present places of members. Members that have not joined keep the patch in place. */
+/* Fits the motion to goals and present places of members. Members that have not joined keep the patch in place. The
+ * seed stays while patches join; then members that move otherwise lose their weight, so that parts become rigid. */
 void smr_patch_fit(const smr_bent *w, smr_patch *p);
 /* Returns the squared distance of a point from the tangent plane of the nearest patch that faces as `normal`, mm^2. */
 float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal);

@@ -269,6 +269,15 @@ static int report_given(smr_align_work *w)
     return 0;
 }
 
+/* Returns a pose between coordinates relative to the surfaces' origins as one between those of the files. */
+static smr_pose between_files(const smr_align_work *w, const smr_pose *pose)
+{
+    const smr_vec from = w->aligner.side[SMR_MODEL].surface->origin, to = w->aligner.side[SMR_TARGET].surface->origin;
+    smr_pose p = *pose;
+    smr_pose_through(&p, from, smr_add(to, smr_column(pose, 3)));
+    return p;
+}
+
 /* Finds the next pose that clearly differs from the best one. */
 static int find_other(smr_align_work *w)
 {
@@ -291,6 +300,7 @@ static int compare_other(smr_align_work *w)
         return 0;
     }
     const float rms = smr_measure_rms(measured(w));
+    r->other[r->n_other++] = between_files(w, &w->best.pose[w->other]);
     if (r->second_rms_mm == 0.0f || rms < r->second_rms_mm)
         r->second_rms_mm = rms;
     r->n_alike += w->best.cost[w->other] <= SMR_ALIKE_COST * w->best.cost[0] + SMR_ALIKE_SLACK;
@@ -323,11 +333,10 @@ static int measure_mirrored(smr_align_work *w)
 
 static int finish(smr_align_work *w)
 {
-    const smr_align_side *model = &w->aligner.side[SMR_MODEL], *target = &w->aligner.side[SMR_TARGET];
     w->said.mirrored_rms_mm = has_neighbour(w) ? 0.0f : smr_measure_rms(measured(w));
-    w->said.model_inside_out = model->outward < 0.0f;
-    w->said.target_inside_out = target->outward < 0.0f;
-    smr_pose_through(&w->result, model->surface->origin, smr_add(target->surface->origin, smr_column(&w->result, 3)));
+    w->said.model_inside_out = w->aligner.side[SMR_MODEL].outward < 0.0f;
+    w->said.target_inside_out = w->aligner.side[SMR_TARGET].outward < 0.0f;
+    w->result = between_files(w, &w->result);
     *w->pose = w->said.given ? w->as_given : w->result;
     if (w->report != NULL)
         *w->report = w->said;
