@@ -173,11 +173,11 @@ static void skip_forces(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 
 /* clang-format off */
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
+    /* dynamics: start positions of the sweep */
+    SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* iterations of fold repair: search for folds; where there are some, the repair follows at once */
     SMR_STEP(PLAIN, EVOLVE, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, ahead_end),
     SMR_STEP(PLAIN, EVOLVE, TASKS, 4, magic, skip_tasks, skip_forces, evolve_end),
-    /* dynamics: start positions of the sweep */
-    SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
     SMR_STEP(CALLER, FORCES, TASKS, 30, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
