@@ -203,10 +203,20 @@ TEST(test_replays)
                 late > runs / 2u); /* the clock meant something */
 }
 
+static void push(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    for (uint32_t i = 0; i < view->n; i++) {
+        way[3u * i] += 0.5f * *(const float *)ctx;
+        weight[i] += 0.5f;
+    }
+}
+
 /* Runs the given inputs, takes the last surface away within an iteration that already has its forces, and replays. */
 static void surface_goes_late(run *r, const smr_config *config, uint32_t ticks, smr_tick_report *report)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
+    static float way = 2.0f;
+    static const smr_caller_force force = {push, &way};
     rig_jitter clock = {3, 1000000u};
     const smr_port port = {&clock, 1, NULL, rig_jitter_read};
     size_t bytes = 0;
@@ -220,12 +230,18 @@ static void surface_goes_late(run *r, const smr_config *config, uint32_t ticks, 
     }
     assert_int_equal(SMR_OK, smr_set_surface(r->s, 0, world.surface[0]));
     give(r, world.surface[0]);
+    if (config->caller.force != SMR_CALLER_OFF) {
+        assert_int_equal(SMR_OK, smr_set_force(r->s, force.force, force.ctx));
+        give(r, &force);
+    }
     assert_int_equal(SMR_OK, smr_tick(r->s, 0, report));
     assert_int_equal(config->schedule.radius_first, report->details.radius);
     for (r->ticks = 1; report->details.phase == SMR_PHASE_FORCES; r->ticks++)
         assert_int_equal(SMR_PARTIAL, smr_tick(r->s, 20000, report));
     assert_true(report->details.radius == config->schedule.radius_first && report->iteration == 1u && !report->done);
     assert_int_equal(SMR_OK, smr_set_surface(r->s, SMR_ALL, NULL));
+    assert_int_equal(SMR_PARTIAL, smr_tick(r->s, 1, report));
+    r->ticks++;
     for (uint32_t i = 0; i < ticks; i++, r->ticks++)
         assert_int_equal(SMR_OK, smr_tick(r->s, 0, report));
     replay(r, begin(r, config, NULL, memory[1], bytes), 0);
@@ -254,4 +270,37 @@ TEST(test_last_surface_goes_before_the_end)
     config.motion.settle_um = 1.0e6f; /* whatever moves is settled */
     surface_goes_late(&r, &config, 3, &report);
     assert_int_equal(1, report.done); /* the iteration after it had no target and ended the schedule */
+}
+
+/* A force of the caller gives its sum behind the surface that goes late, which is no input. */
+TEST(test_last_surface_goes_late_under_a_force)
+{
+    static run r;
+    smr_config config = smr_config_default();
+    smr_tick_report report = {0};
+    config.caller.force = SMR_CALLER_ON;
+    surface_goes_late(&r, &config, 3, &report);
+}
+
+/* A record of a late input that is damaged between two ticks is found when the iteration is complete. */
+TEST(test_log_damaged_meanwhile)
+{
+    static run r;
+    smr_config config = smr_config_default();
+    smr_tick_report report = {0};
+    smr_log_state log;
+    smr_replay again;
+    smr_replay_report found = {0};
+    smr_status status = SMR_OK;
+    surface_goes_late(&r, &config, 3, &report);
+    assert_int_equal(SMR_OK, smr_get_log(r.s, &log));
+    r.all.next = 0;
+    smr *const twin = rig_init(world.of.model[0], &config, NULL);
+    assert_int_equal(SMR_OK, smr_replay_start(twin, r.log, log.bytes, next_input, &r.all, &again));
+    while (status == SMR_OK && !found.ended) {
+        status = smr_replay_tick(&again, &found);
+        if (again.has_later)
+            r.log[again.later.at + 5u] ^= 1u;
+    }
+    assert_int_equal(SMR_E_LOG, status);
 }

@@ -214,6 +214,25 @@ TEST(degenerate_shapes)
         }
 }
 
+/* Where vertices went at random the map folds over: the way back may not be found in the steps that there are. */
+TEST(crumpled_shapes_stay_finite)
+{
+    oracle_random r = oracle_seed(44);
+    for (uint32_t k = 0; k < 4u; k++) {
+        unit_mesh m = unit_sphere(3, 40.0f, 4.0f), now = unit_sphere(3, 40.0f, 4.0f);
+        bound b = bind_with(&m, m.xyz, 1, NULL);
+        float q[3 * 20], out[3 * 20];
+        for (uint32_t i = 0; i < 3u * m.nv; i++)
+            now.xyz[i] += oracle_uniformf(&r, -50, 50);
+        random_points(&r, 60.0f, 20, q);
+        assert_int_equal(smr_carry_map(b.carry, now.xyz, 1, q, 20, out, NULL), SMR_OK);
+        assert_true(unit_finite(out, 3u * 20u, 4.0f * SMR_COORD_MAX));
+        rig_free(b.memory);
+        unit_mesh_free(&m);
+        unit_mesh_free(&now);
+    }
+}
+
 TEST(frames_turn)
 {
     unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);

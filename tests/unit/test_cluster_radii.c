@@ -4,6 +4,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
+#include "model/model.h"
 #include "property/rig_ball_image.h"
 #include "unit_mesh.h"
 
@@ -141,4 +142,29 @@ TEST(density_does_not_matter)
     assert_true(many.largest_cluster[0] < few.largest_cluster[0] * 3u / 2u);
     unit_mesh_free(&thin);
     unit_mesh_free(&dense);
+}
+
+/* Points that crowd in a corner, and a triangle with edges of this length: clusters of coarse radii hold some vertices
+ * alone, up to the last radius but one, or up to one that needs more vertices. */
+TEST(coarse_clusters_of_crowded_points)
+{
+    for (uint32_t k = 0; k < 2u; k++) {
+        oracle_random r = oracle_seed(181);
+        unit_mesh m = unit_mesh_new(8100, 1);
+        const smr_prepare_config c = smr_prepare_config_default();
+        for (uint32_t i = 0; i < 3u * m.nv; i++)
+            m.xyz[i] = i < 9u ? (i == 3u || i == 7u ? (k ? 4.0f : 0.3f) : 0.0f)
+                              : 100.0f * (float)pow(oracle_uniform(&r, 0, 1), 8.0);
+        for (uint32_t i = 0; i < 3u; i++)
+            m.triangles[i] = i;
+        unit_image image = unit_prepare_mesh(&m, &c);
+        const smr_model *const model = image.model;
+        const uint32_t n = smr_le32(model->n_radii), coarse = smr_le32(model->coarse_radii);
+        const uint32_t members = smr_le32(model->coarse_vertices);
+        assert_true(coarse > 0u && smr_le32(smr_model_radius(model, coarse - 1u)->active_min) <= members);
+        assert_true(k == 1u ? coarse == n - 1u
+                            : coarse < n - 1u && smr_le32(smr_model_radius(model, coarse)->active_min) > members);
+        unit_image_free(&image);
+        unit_mesh_free(&m);
+    }
 }

@@ -3,6 +3,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
+#include "property/rig_ball_image.h"
 #include "registration/registration.h"
 
 enum { N = 6, LOG = 65536 };
@@ -205,4 +206,32 @@ TEST(test_few)
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
     assert_true(verdict.expected_error_mm < 0.0f && verdict.level == SMR_VERDICT_LOOK);
     assert_true((verdict.reasons & SMR_REASON_LITTLE_VISIBLE) != 0u);
+}
+
+/* Where the search in the image has ended, vertices that it showed stay: only a hard landmark moves them. */
+TEST(test_image_no_longer_searched)
+{
+    const smr_volume image = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    model = rig_ball_model(&image);
+    for (uint32_t hard = 0; hard < 2u; hard++) {
+        const smr_landmark mark = {0, SMR_NONE, {0, 0, 20}, {0, 0, 40}, 1.0f, hard};
+        smr_config c = smr_config_default_image();
+        uint32_t shown = 0, forced = 0;
+        c.image.gradient_mm = c.image.profile_mm = 4.0f;
+        c.image.gradient_end_mm = c.image.profile_end_mm = 0.0f;
+        c.motion.settle_um = 0.0f;
+        c.partial.n_landmarks = 1;
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+        assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
+        do
+            assert_false(rig_run(s, 1).done);
+        while (smr_image_seeks(&s->forces.image, 0));
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            const float *f = s->forces.force + 3u * (size_t)v;
+            shown += s->forces.landmarks.visibility[v] > 0u;
+            forced += s->forces.landmarks.visibility[v] > 0u && (f[0] != 0.0f || f[1] != 0.0f || f[2] != 0.0f);
+        }
+        assert_true(shown > 200u && (hard ? forced > 0u && forced < shown / 4u : forced == 0u));
+    }
 }

@@ -3,6 +3,7 @@
  * radii.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
+#include <math.h>
 #include <string.h>
 #include "base/arena.h"
 #include "prepare/prepare_plan.h"
@@ -229,4 +230,28 @@ TEST(follows_the_rule)
         unmake(&w);
     }
     assert_true(more > 0u && restored > 0u);
+}
+
+/* Points closer and closer along a line, of whose levels there would be 25. */
+TEST(levels_have_a_limit)
+{
+    enum { N = 26000 };
+    unit_mesh row = unit_mesh_new(N, 0);
+    const smr_structure one = {"row", unit_view(&row)};
+    smr_prepare_config c = smr_prepare_config_default();
+    memset(row.xyz, 0, 12u * N);
+    for (uint32_t i = 0; i < N; i++)
+        row.xyz[3u * i] = (float)(1000.0 * pow((double)i / (double)N, 3.0));
+    c.n_radii = SMR_RADII_MAX;
+    c.radius_mm[0] = 1000.0f;
+    for (uint32_t k = 1; k < SMR_RADII_MAX; k++)
+        c.radius_mm[k] = c.radius_mm[k - 1u] / 2.7f;
+    unit_image image = unit_prepare(&one, 1, &c);
+    const uint32_t *const end = image.model->level_end;
+    assert_int_equal(SMR_LEVELS_MAX, smr_le32(image.model->n_levels));
+    assert_int_equal(N, smr_le32(end[SMR_LEVELS_MAX - 1u]));
+    for (uint32_t k = 1; k < SMR_LEVELS_MAX; k++)
+        assert_true(smr_le32(end[k - 1u]) < smr_le32(end[k]));
+    unit_image_free(&image);
+    unit_mesh_free(&row);
 }

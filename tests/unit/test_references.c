@@ -210,6 +210,25 @@ TEST(test_not_used)
     assert_int_equal(SMR_OK, smr_init(all, &c, NULL, arena, more, &s[2]));
 }
 
+/* While a target is tracked, the weights that registration found stay. */
+TEST(test_tracked)
+{
+    static const float truth[2][SHAPES] = {{0, 1, 0, 0}, {0, 0, 1, 0}};
+    float weight[2][SMR_REFERENCES_MAX];
+    make_shapes();
+    const smr_mesh part = mixture(truth[0], 1), other = mixture(truth[1], 1);
+    smr_config c = config_of(&part, 0.1f);
+    c.track.mode = SMR_TRACK_REPORT;
+    smr *s = begin(model_of(&subjects), &c, rig_surface(&part));
+    (void)rig_run(s, 400);
+    assert_true(s->schedule.tracking);
+    weights_of(s, weight[0]);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&other)));
+    (void)rig_run(s, 20);
+    weights_of(s, weight[1]);
+    assert_memory_equal(weight[0], weight[1], SHAPES * sizeof(float));
+}
+
 static const void *give(void *target, const smr_log_record *record)
 {
     return record->kind == SMR_LOG_SURFACE ? target : NULL;

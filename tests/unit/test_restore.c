@@ -303,3 +303,21 @@ TEST(test_resumes_from_a_log)
     assert_int_equal(SMR_OK, smr_set_active(again, 0)); /* configuration and budget decide again */
     ends_alike(again, s);
 }
+
+/* A restored registration does not go on with a start that was begun in its memory before. */
+TEST(test_start_begun_before)
+{
+    const smr_pose pose = {{{1, 0, 0, 5}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    size_t bytes = 0;
+    smr *s = NULL;
+    smr_job job;
+    assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &u.config, &bytes));
+    void *const arena = rig_alloc(bytes);
+    assert_int_equal(SMR_OK, smr_init(u.model, &u.config, NULL, arena, bytes, &s));
+    assert_int_equal(SMR_OK, smr_set_pose_begin(s, &pose, &job));
+    assert_int_equal(SMR_OK, smr_restore(u.model, NULL, NULL, u.saved, u.bytes, arena, bytes, &s));
+    const uint64_t hash = smr_state_hash(s);
+    assert_int_equal(SMR_E_STATE, smr_job_step(&job, 0, NULL, 0));
+    assert_true(hash == smr_state_hash(s));
+    awaits(s, 2);
+}

@@ -241,3 +241,46 @@ TEST(the_macro_bounds_the_size)
         }
     }
 }
+
+/* Boxes, each from x, y, z to x, y, z, as one mesh. */
+static smr_mesh boxes(const float (*box)[6], uint32_t n)
+{
+    static const uint32_t face[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                      2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    float *xyz = rig_alloc(96u * n);
+    uint32_t *t = rig_alloc(144u * n);
+    for (uint32_t i = 0; i < 24u * n; i++)
+        xyz[i] = box[i / 24u][i % 3u + (i / 3u >> i % 3u & 1u) * 3u];
+    for (uint32_t i = 0; i < 36u * n; i++)
+        t[i] = face[i % 36u] + 8u * (i / 36u);
+    return (smr_mesh){xyz, t, 8u * n, 12u * n};
+}
+
+/* Low boxes between towers reach up to no box that hangs over all. What lies far within a box that is inside out is not
+ * deep in it. */
+TEST(contact_of_boxes)
+{
+    static const float over[6] = {0, 0, 10, 10, 20, 50};
+    static const float large[6] = {-50, -50, -50, 50, 50, 50}, small[6] = {-1, -1, -1, 1, 1, 1};
+    float town[10][6];
+    for (uint32_t i = 0; i < 10u; i++) {
+        const float one[6] = {0, 2.0f * (float)i, 0, 10, 2.0f * (float)i + 1.9f, i % 2u ? 5.0f : 40.0f};
+        memcpy(town[i], one, sizeof one);
+    }
+    const smr_mesh a = boxes((const float(*)[6])town, 10), b = boxes(&over, 1), in = boxes(&small, 1);
+    smr_mesh out = boxes(&large, 1);
+    smr_contact_report r;
+    for (uint32_t k = 0; k < 2u; k++) {
+        const smr_surface *const one = rig_surface(k ? &b : &a), *const other = rig_surface(k ? &a : &b);
+        assert_int_equal(SMR_OK, smr_surface_contact(one, other, 0.1f, &r));
+        assert_true(fabsf(r.volume_mm3 - 2850.0f) < 90.0f);
+    }
+    uint32_t *const t = rig_alloc(144);
+    for (uint32_t i = 0; i < 36u; i++)
+        t[i] = out.triangles[i - i % 3u + (3u - i % 3u) % 3u];
+    for (uint32_t k = 0; k < 2u; k++) {
+        assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&in), rig_surface(&out), 0.1f, &r));
+        assert_true(fabsf(r.volume_mm3 - 8.0f) < 0.1f && fabsf(r.deepest_mm - (k ? 0.0f : 49.0f)) < 0.1f);
+        out.triangles = t;
+    }
+}
