@@ -207,7 +207,7 @@ typedef struct smr_tick_details {
     uint32_t n_rejected; /* number of the n_active vertices without an acceptable goal */
     uint32_t n_guarded;  /* number of vertices that config.motion.fold_guard held back, unfolded or repaired */
     /* share, 0..1. Share of the vertices that searched for a goal and have one, in the last iteration in which a vertex
-     * searched: search distances in images may end at 0. -1: no search since an input was set. */
+     * searched (images in noise: of the first of these). -1: no search since an input was set. */
     float matched_share;
     float attraction_used;                  /* config.basic.attraction if target vertices attracted the model, else 0 */
     float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest residual; -1: not measured */
@@ -562,7 +562,7 @@ typedef struct smr_align_report {
     uint32_t model_inside_out;  /* 1: a closed model with triangles facing inwards, which smr_align() reverses */
     uint32_t target_inside_out; /* 1: a closed target with triangles facing inwards, which smr_align() reverses */
     uint32_t n_other;           /* number of clearly different poses that were compared */
-    smr_pose other[3];          /* [n_other] these, cheapest first: starts for smr_articulated_begin() */
+    smr_pose other[3];          /* [n_other] these: starts for smr_articulated_begin() */
 } smr_align_report;
 
 typedef struct smr_align_part {
@@ -575,7 +575,7 @@ typedef struct smr_align_part {
 /* Finds the pose that lays `model`, or a part, onto `target`, or a part, also a cloud. With config.part each structure
  * then gets its own rigid pose from rest, for smr_set_positions(): joints are where surfaces touch at rest, and *pose
  * is the whole's. memory: SMR_ALIGN-aligned, smr_align_bytes() (E_NULL, E_CONFIG). report may be NULL. Errors: E_NULL,
- * E_STATE (not a surface), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (no pose, or config.given is none). */
+ * E_STATE (not a surface), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (no pose, or config.given is no pose). */
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report);

@@ -154,6 +154,11 @@ class AlignReport(_Struct):
                 ("mirrored_rms_mm", _F), ("n_alike", _U), ("given", _U), ("model_inside_out", _U),
                 ("target_inside_out", _U), ("n_other", _U), ("other", _Pose * 3)]
 
+    @property
+    def others(self) -> List[Pose]:
+        """The clearly different poses [3][4] that were compared."""
+        return [_pose_array(pose) for pose in self.other[:self.n_other]]
+
 
 _AlignPart = _struct("_AlignPart", ("model", _P), ("target", _P), ("pose", _Pose), ("report", AlignReport),
                      ("order", _U))
@@ -854,9 +859,10 @@ def _align(model: Any, target: Any, parts: Sequence[Tuple[Surface, Optional[Surf
 
 
 def articulated(model: Union[Model, Surface, Mesh], target: Union[Surface, Mesh], start: Any = None,
-                threads: Optional[int] = None) -> Optional[Array]:
+                threads: Optional[int] = None, unexplained: Optional[List[float]] = None) -> Optional[Array]:
     """Start positions [n][3] of one surface whose parts have turned about joints, for set_positions(); None: the pose
-    start [3][4] explains both surfaces, or no turned parts do. start None: as the files lie."""
+    start [3][4] explains both surfaces, or no turned parts do. start None: as the files lie. unexplained gets the share
+    0..1.5 that is left: of several starts, AlignReport.others, the least is right."""
     source, onto = _as_surface(model, "model"), _as_surface(target, "target")
     pose = _pose_struct(np.eye(3, 4) if start is None else start)
     pool, bent, job = _Pool(threads), _U(), (_Q * 256)()
@@ -865,6 +871,8 @@ def articulated(model: Union[Model, Surface, Mesh], target: Union[Surface, Mesh]
     _lib.smr_articulated_begin(source._handle, onto._handle, C.byref(pose), C.addressof(pool.port), _at(scratch),
                                len(scratch), _at(xyz), C.byref(bent), C.byref(job))
     _lib.smr_job_step(C.byref(job), 0, None, 0)
+    if unexplained is not None and bent.value:
+        unexplained.append((bent.value - 1) * 1e-6)
     return xyz if bent.value else None
 
 

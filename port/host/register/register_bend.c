@@ -47,6 +47,8 @@ static smr_status bend(const host_job *job, const smr_surface *model, float *xyz
     uint32_t most = *bent > 0u ? *bent : SAME;
     for (uint32_t i = 0; status == SMR_OK && (*bent > 0u || found->n_alike > 1u) && i <= found->n_other; i++) {
         const smr_pose *const pose = i < found->n_other ? &found->other[i] : &here;
+        if (pose == &here && found->given)
+            break; /* that was the best pose */
         status = bend_from(job, model, job->target[0].surface, pose, trial, &left);
         if (status != SMR_OK || left == 0u || (pose == &here && *bent > 0u ? left / 2u : left) >= most)
             continue;

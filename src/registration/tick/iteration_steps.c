@@ -133,11 +133,12 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
 }
 
 /* After the first search of an iteration of repair: where that has found folds, the repair goes without forces, unless
- * forces must measure a new target, follow from those before (visibility, images) or call the caller. */
+ * forces must measure a new target, follow from those before (visibility, images, rejection) or call the caller. */
 static void ahead_end(smr *s)
 {
     const smr_forces *f = &s->forces;
     const uint32_t needed = f->unmeasured | f->surface.partial | f->surface.n_clouds | f->landmarks.n |
+                            (uint32_t)(s->shared.config.forces.reject_deviations > 0.0f) |
                             (s->shared.parts & (SMR_PART_CALLER | SMR_PART_IMAGE));
     find_end(s);
     s->folds.alone = s->folds.repair.pass.stage > 0u && needed == 0u;
@@ -175,9 +176,9 @@ static void skip_forces(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
     /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
-    /* iterations of fold repair: search for folds; where there are some, the repair follows at once */
-    SMR_STEP(PLAIN, EVOLVE, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, ahead_end),
-    SMR_STEP(PLAIN, EVOLVE, TASKS, 4, magic, skip_tasks, skip_forces, evolve_end),
+    /* iterations of fold repair, before forces: search for folds; where there are some, the repair follows at once */
+    SMR_STEP(PLAIN, FORCES, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, ahead_end),
+    SMR_STEP(PLAIN, FORCES, TASKS, 4, magic, skip_tasks, skip_forces, evolve_end),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
     SMR_STEP(CALLER, FORCES, TASKS, 30, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),

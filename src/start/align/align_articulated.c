@@ -23,8 +23,8 @@
 #define SMR_BENT_UNEXPLAINED 0.2f /* largest cost of the side that a result explains better */
 
 #define SMR_BENT_PIECE 512u /* vertices, triangles or visits in a task */
-#define SMR_BENT_PATCHES 4u /* patches or cells in a task */
-#define SMR_BENT_MOVED 32u  /* vertices that a task moves */
+#define SMR_BENT_PATCHES 1u /* patches or cells in a task */
+#define SMR_BENT_MOVED 16u  /* vertices that a task moves */
 
 typedef struct bent_job {
     smr_job_head head;

@@ -140,7 +140,7 @@ void smr_patch_fit(const smr_bent *w, smr_patch *p)
     const int joining = w->agree2 == 0.0f;
     if (joining && p->joined == 1u && p != &w->patch[w->seed])
         return;
-    if (!joining && p->n == p->n_near)
+    if (!joining && w->round == 0u)
         add_neighbours(w, p, p->n_links + 1u, SMR_BENT_MEMBERS);
     smr_fit_start(&fit, p->rest, p->at);
     for (uint32_t k = 0; k < (joining ? p->n_near : p->n); k++) {

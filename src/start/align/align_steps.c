@@ -278,6 +278,18 @@ static smr_pose between_files(const smr_align_work *w, const smr_pose *pose)
     return p;
 }
 
+/* Returns the pose without its scale where none is asked for. The image of the model's centre stays. */
+static smr_pose as_asked(const smr_align_work *w, const smr_pose *pose)
+{
+    const smr_vec centre = w->aligner.side[SMR_MODEL].centre, at = smr_pose_apply(pose, centre);
+    const float per = 1.0f / smr_pose_scale(pose);
+    smr_pose p = *pose;
+    for (uint32_t i = 0; i < 9u; i++)
+        p.m[i / 3u][i % 3u] *= per;
+    smr_pose_through(&p, centre, at);
+    return w->scaled ? *pose : p;
+}
+
 /* Finds the next pose that clearly differs from the best one. */
 static int find_other(smr_align_work *w)
 {
@@ -300,7 +312,8 @@ static int compare_other(smr_align_work *w)
         return 0;
     }
     const float rms = smr_measure_rms(measured(w));
-    r->other[r->n_other++] = between_files(w, &w->best.pose[w->other]);
+    const smr_pose other = as_asked(w, &w->best.pose[w->other]);
+    r->other[r->n_other++] = between_files(w, &other);
     if (r->second_rms_mm == 0.0f || rms < r->second_rms_mm)
         r->second_rms_mm = rms;
     r->n_alike += w->best.cost[w->other] <= SMR_ALIKE_COST * w->best.cost[0] + SMR_ALIKE_SLACK;
