@@ -206,6 +206,53 @@ TEST(test_repairs_without_forces)
     assert_true(n_without > 20u);
 }
 
+static const void *given_next(void *ctx, SMR_UNUSED const smr_log_record *record)
+{
+    const void ***next = ctx;
+    return *(*next)++;
+}
+
+/* A target that is set while a repair searches for folds, before forces, is set there in a replay, too. */
+TEST(test_target_within_a_repair)
+{
+    static unsigned char log[1u << 16];
+    const smr_mesh mesh = sheet(), bent = bent_sheet(0.95f), far = bent_sheet(0.1f);
+    const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
+    const smr_model *model = rig_model(&mesh, 1, &radii);
+    smr_config c = smr_config_default();
+    c.basic.n_target_vertices = SIDE * SIDE;
+    c.partial.coverage = SMR_COVERAGE_WHOLE;
+    float folded[3 * SIDE * SIDE];
+    uint32_t seed = 7, n = 2;
+    memcpy(folded, mesh.xyz, sizeof folded);
+    for (uint32_t i = 0; i < 40u; i++)
+        folded[3u * (i * 29u % (SIDE * SIDE)) + i % 2u] += rig_between(&seed, -12.0f, 12.0f);
+    const void *given[3] = {folded, rig_surface(&bent), rig_surface(&far)}, **next = given;
+    rig_clock clock;
+    smr *s = rig_init(model, &c, NULL), *again = rig_init(model, &c, NULL);
+    s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr_guard_close(s);
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, folded));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, given[1]));
+    smr_tick_report report = {0};
+    for (uint32_t i = 0; i < 4000u && report.iteration < 6u; i++) {
+        const smr_status status = smr_tick(s, n < 3u ? 1 : 0, &report);
+        if (n == 2u && status == SMR_PARTIAL && s->schedule.repairing > 1u && s->step > 0u && s->step < 3u)
+            assert_int_equal(SMR_OK, smr_set_surface(s, 0, given[n++]));
+    }
+    assert_int_equal(3, n);
+    smr_log_state so_far;
+    smr_replay replay;
+    smr_replay_report told = {0};
+    assert_int_equal(SMR_OK, smr_get_log(s, &so_far));
+    assert_int_equal(SMR_OK, smr_replay_start(again, log, so_far.bytes, given_next, &next, &replay));
+    while (!told.ended) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &told));
+        assert_int_equal(0, told.differs);
+    }
+}
+
 /* A model with a crease, whose next positions have it sharper; how many hinges there turn back before and after. */
 static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, uint32_t *after, float *moved)
 {
