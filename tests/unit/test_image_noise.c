@@ -114,3 +114,24 @@ TEST(test_ball_in_noise)
     if (!(sum / s->shared.n < 0.35))
         fail_msg("%g mm off in the mean", sum / s->shared.n);
 }
+
+/* Before the last radius more vertices are active the more noise there is, up to four times; not where one image
+ * follows the other, for there budgets take fewer after the search. */
+TEST(test_more_in_noise)
+{
+    static const float noise[] = {0.5f, 2.0f, 3.0f, 9.0f}, more[] = {1.0f, 1.0f, 2.25f, 4.0f};
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_config config = smr_config_default_image();
+    smr *const s = rig_init(rig_ball_model(&reference), &config, NULL);
+    smr_image_goals *const g = &s->forces.image;
+    assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
+    for (uint32_t i = 0; i < 4u; i++) {
+        g->noise = noise[i] * g->noise_level;
+        assert_float_equal(more[i], smr_image_more(g), 1.0e-3f);
+        s->schedule.tracking = 1;
+        assert_float_equal(1.0f, smr_image_more(g), 0.0f);
+        s->schedule.tracking = 0;
+    }
+    s->schedule.radius = smr_last_radius(&s->shared);
+    assert_float_equal(1.0f, smr_image_more(g), 0.0f);
+}
