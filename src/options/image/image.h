@@ -17,7 +17,7 @@
 
 #define SMR_IMAGE_CHUNK 1u    /* vertices of a task that searches the image; each takes as long as forty on a surface */
 #define SMR_NOISE_MUCH 2.0f   /* noise of the image / mean noise level of structures above which more are active */
-#define SMR_MORE_MOST 4.0f    /* largest number of active vertices / number without noise */
+#define SMR_NOISE_MORE 4.0f   /* largest number of active vertices / number without noise */
 #define SMR_CONTRAST_ONE 64u  /* stored contrast number for equal contrast of image and profile */
 #define SMR_BRIGHTER_NONE 128 /* stored brightness number for equal brightness of image and profile */
 #define SMR_BRIGHTER_HIDDEN 0 /* stored brightness number of a vertex that the image does not show */
@@ -91,7 +91,7 @@ static inline float smr_image_more(const smr_image_goals *g)
 {
     const float noise = SMR_HAS_IMAGE && g->has_image ? smr_image_noise(g) * (1.0f / SMR_NOISE_MUCH) : 0.0f;
     const int all = smr_at_last_radius(g->shared, g->schedule) || g->schedule->tracking != 0u;
-    return all ? 1.0f : smr_clamp(noise * noise, 1.0f, SMR_MORE_MOST);
+    return all ? 1.0f : smr_clamp(noise * noise, 1.0f, SMR_NOISE_MORE);
 }
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
