@@ -207,7 +207,7 @@ typedef struct smr_tick_details {
     uint32_t n_rejected; /* number of the n_active vertices without an acceptable goal */
     uint32_t n_guarded;  /* number of vertices that config.motion.fold_guard held back, unfolded or repaired */
     /* share, 0..1. Share of the vertices that searched for a goal and have one, in the last iteration in which a vertex
-     * searched (images in noise: of the first of these). -1: no search since an input was set. */
+     * searched (in noisy images: of the most important ones). -1: no search since an input was set. */
     float matched_share;
     float attraction_used;                  /* config.basic.attraction if target vertices attracted the model, else 0 */
     float residual_rms_mm, residual_max_mm; /* mm. Root mean square and largest residual; -1: not measured */
@@ -562,7 +562,7 @@ typedef struct smr_align_report {
     uint32_t model_inside_out;  /* 1: a closed model with triangles facing inwards, which smr_align() reverses */
     uint32_t target_inside_out; /* 1: a closed target with triangles facing inwards, which smr_align() reverses */
     uint32_t n_other;           /* number of clearly different poses that were compared */
-    smr_pose other[3];          /* [n_other] these: starts for smr_articulated_begin() */
+    smr_pose other[3];          /* [n_other] those poses, as starts for smr_articulated_begin() */
 } smr_align_report;
 
 typedef struct smr_align_part {

@@ -7,7 +7,7 @@
 
 #define SAME 5000u /* what turned parts of the same body leave at most, as smr_articulated_begin() says it */
 
-/* Finds start positions from a pose: xyz is written, and *bent 1, where parts have turned. */
+/* Finds start positions from a pose; xyz and *bent as smr_articulated_begin() writes them. */
 static smr_status bend_from(const host_job *job, const smr_surface *model, const smr_surface *target,
                             const smr_pose *pose, float *xyz, uint32_t *bent)
 {
@@ -34,9 +34,9 @@ static int may_bend(const host_job *job)
            job->options->resume == NULL;
 }
 
-/* Finds start positions from the poses that the alignment compared, and from the place where the files have the model:
- * the one that leaves least counts, of the last half. If the best pose needs no turned parts, another one must explain
- * all. */
+/* Finds start positions from the poses that the alignment compared, and from the place where the files have the model.
+ * Takes the start that leaves least unexplained; what the place of the files leaves counts half. If the best pose needs
+ * no turned parts, another start must explain nearly all. */
 static smr_status bend(const host_job *job, const smr_surface *model, float *xyz, float *trial, uint32_t *bent)
 {
     static const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
