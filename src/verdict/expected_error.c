@@ -5,6 +5,7 @@
  * The noise is measured: how much vertices stick out from their neighbours, and the residual. Across the surface, a
  * visible vertex has the noise alone as error, and the error of an invisible one grows with the distance to the
  * visible ones: near them a body's thickness changes less, and far from them its shape more, than the process says.
+ * A cloud shows vertices at its points only; between points the error grows as points become fewer.
  * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
  * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has a
  * variance of its own, and the displacement that it would add counts as error, too.
@@ -25,6 +26,7 @@
 #define SMR_NOISE_SHARE 0.64f   /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.06f   /* variance across / process' variance, at invisible vertices near visible ones */
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */
+#define SMR_BETWEEN_POINTS 2.5f /* the same, between the points of a cloud that has as many points as are listed */
 #define SMR_UNSEEN_ACROSS 2.2f  /* growth of variance across / process' variance, a kernel length from the visible */
 #define SMR_UNSEEN_ALONG 2.5f   /* growth of variance along / process' variance, a kernel length from the visible */
 #define SMR_PARTIAL_ALONG 0.22f /* variance along / process' variance where a regression limits sliding */
@@ -200,14 +202,22 @@ typedef struct parts {
     float across, along;
 } parts;
 
+/* Returns the share of the process' variance across that visible vertices have: between a cloud's points, the more the
+ * fewer points the cloud has. */
+static float between_points(const smr_judgement *j)
+{
+    const float listed = (float)j->field.n / (float)j->field.total;
+    return j->by == SMR_BY_CLOUD ? SMR_BETWEEN_POINTS * listed * listed : 0.0f;
+}
+
 /* Returns v's squared errors from the process' variances. far2: squared distance to observations in kernel lengths. */
 static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float far2)
 {
     const smr_normal_field *f = &j->field;
     const float least = SMR_ALONG_LEAST * smr_le_float(j->s->shared.model->edge_mm);
-    const int visible = smr_judged_visible(j->s)[v];
+    const int visible = smr_judged_visible(j->s)[v] & SMR_JUDGED_VISIBLE;
     const float near = f->image_part ? SMR_UNSEEN_IMAGE : SMR_UNSEEN_NEAR, grown2 = f->image_part ? 0.0f : far2;
-    const float across = visible ? 0.0f : near + SMR_UNSEEN_ACROSS * grown2;
+    const float across = visible ? between_points(j) : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }
@@ -320,7 +330,7 @@ void smr_errors_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_mean_add(&e->expected, expected[0], 1.0f);
         smr_mean_add(&e->across, expected[1], 1.0f);
         smr_mean_add(&e->along, expected[2], 1.0f);
-        smr_mean_add(&e->on_visible, expected[0], (float)smr_judged_visible(j->s)[v]);
+        smr_mean_add(&e->on_visible, expected[0], (float)(smr_judged_visible(j->s)[v] & SMR_JUDGED_VISIBLE));
         if (SMR_HAS_IMAGE && e->n_invisible > 0u && !smr_image_shows(&j->s->forces.image, v))
             smr_mean_add(&e->hidden, expected[0], 1.0f);
     }

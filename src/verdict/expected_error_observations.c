@@ -28,10 +28,13 @@ static uint32_t place(smr_normal_field *f, const smr *s)
     return most;
 }
 
+/* Between the points of a cloud no vertex is observed. */
 static int is_observed(const smr_judgement *j, uint32_t v)
 {
     const smr_vec n = smr_get3(j->s->shape.normal, v);
-    return smr_judged_visible(j->s)[v] && smr_dot(n, n) > 0.5f;
+    const uint32_t marks = smr_judged_visible(j->s)[v];
+    const int at_point = j->by != SMR_BY_CLOUD || (marks & SMR_JUDGED_POINT);
+    return (marks & SMR_JUDGED_VISIBLE) && at_point && smr_dot(n, n) > 0.5f;
 }
 
 uint32_t smr_observed_tasks(const void *job)

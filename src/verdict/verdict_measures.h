@@ -181,7 +181,10 @@ static inline uint32_t *smr_judged_list(const smr_judgement *j)
     return j->s->overlay.record + 14u * (size_t)j->s->shared.n;
 }
 
-/* Returns the array [n] in which visible vertices of the structure are 1; the memory of records ends behind it. */
+#define SMR_JUDGED_VISIBLE 1u /* the vertex is visible */
+#define SMR_JUDGED_POINT 2u   /* the vertex is the nearest corner to a point of a cloud */
+
+/* Returns the array [n] of SMR_JUDGED_... of the structure's vertices; the memory of records ends behind it. */
 static inline unsigned char *smr_judged_visible(const smr *s)
 {
     return (unsigned char *)(s->overlay.record + 15u * (size_t)s->shared.n);

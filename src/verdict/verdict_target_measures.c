@@ -18,7 +18,9 @@
 static float visible_part(const smr_judgement *j, const uint32_t *t)
 {
     const unsigned char *visible = smr_judged_visible(j->s);
-    return (float)(visible[t[0]] + visible[t[1]] + visible[t[2]]) * (1.0f / 3.0f);
+    const uint32_t n = (visible[t[0]] & SMR_JUDGED_VISIBLE) + (visible[t[1]] & SMR_JUDGED_VISIBLE) +
+                       (visible[t[2]] & SMR_JUDGED_VISIBLE);
+    return (float)n * (1.0f / 3.0f);
 }
 
 static smr_vec centre_of(smr_corner_values v) { return smr_scale(smr_add(v.a, smr_add(v.b, v.c)), 1.0f / 3.0f); }
@@ -253,6 +255,16 @@ static int is_stray(const smr *s, uint32_t structure, uint32_t j, float d2)
     return !(smr_outlier_weight(g, smr_goal_of(g, structure), j, d2) > 0.0f);
 }
 
+/* Marks the vertex nearest to a point's foot. Workers may mark the same vertex. */
+static void mark(const smr_judgement *j, const smr_hit *hit)
+{
+    const smr_box_tree *const f = &smr_judged(j)->tree;
+    const float *const w = hit->weight;
+    const uint32_t c = w[0] >= w[1] && w[0] >= w[2] ? 0u : w[1] >= w[2] ? 1u : 2u;
+    unsigned char *const at = smr_judged_visible(j->s) + smr_triangle_of(f->triangle, hit->triangle, f->n_vertices)[c];
+    __atomic_store_n(at, (unsigned char)(__atomic_load_n(at, __ATOMIC_RELAXED) | SMR_JUDGED_POINT), __ATOMIC_RELAXED);
+}
+
 uint32_t smr_cloud_tasks(const void *job)
 {
     const smr_judgement *j = job;
@@ -267,8 +279,10 @@ void smr_cloud_measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_mean *const place = smr_judge_place(j, task);
     smr_hit hit;
     for (uint32_t k = piece.first; k < piece.last; k++)
-        if (closest_to_point(j->s, cloud, k, &hit) == j->structure && !is_stray(j->s, j->structure, k, hit.d2))
+        if (closest_to_point(j->s, cloud, k, &hit) == j->structure && !is_stray(j->s, j->structure, k, hit.d2)) {
             smr_mean_add(&place[0], SMR_SQRT(hit.d2), cloud->area[k]);
+            mark(j, &hit);
+        }
 }
 
 void smr_cloud_take(void *job, uint32_t first, uint32_t last)

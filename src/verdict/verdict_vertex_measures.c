@@ -151,7 +151,7 @@ static uint32_t add_landmarks(smr_judgement *j)
 static void add_vertex(smr_judgement *j, uint32_t v)
 {
     const smr_forces *f = &j->s->forces;
-    const int visible = smr_judged_visible(j->s)[v];
+    const int visible = smr_judged_visible(j->s)[v] & SMR_JUDGED_VISIBLE;
     if (j->by == SMR_BY_IMAGE) {
         smr_mean_add(&j->mean, 1.0f, (float)smr_image_shows(&f->image, v));
         if (f->found_last[v] == SMR_FOUND_GOAL)

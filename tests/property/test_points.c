@@ -283,6 +283,29 @@ TEST(test_noise_pulls_nothing)
     assert_true(mean_difference(radius[0], radius[2]) > 0.2f && mean_difference(radius[1], radius[2]) < 1e-4f);
 }
 
+/* The mean error across the surface that n points of an ellipsoid leave, mm. */
+static float expected_across(uint32_t n)
+{
+    smr_points *cloud = rig_cloud(n);
+    float *across = rig_alloc(part[0].n_vertices * sizeof(float)), sum = 0.0f;
+    uint32_t seed = 7;
+    for (uint32_t i = 0; i < n; i++) {
+        point p = rig_cloud_point(&seed, 0, 24.0f, 0.0f);
+        p.xyz[0] *= 1.15f;
+        add(cloud, &p);
+    }
+    assert_int_equal(SMR_OK, smr_get_expected_parts(run_onto(cloud, n, NULL, 1), 0, across, NULL));
+    for (uint32_t v = 0; v < part[0].n_vertices; v++)
+        sum += across[v];
+    return sum / (float)part[0].n_vertices;
+}
+
+TEST(test_few_points_leave_more_open)
+{
+    const float few = expected_across(40), many = expected_across(1500);
+    assert_true(few > 1.5f * many);
+}
+
 /* The largest distance from a ball's surface, mm: nothing tells how far it turned about its middle. */
 static float off_ball(const float *xyz, const smr_mesh *ball)
 {
