@@ -136,7 +136,8 @@ TEST(path_of_small_steps)
 {
     const smr_shared shared = {.n_structures = 1, .config.basic.n_workers = 1};
     smr_target target = {.path = 7.0f};
-    smr_surface_goals g = {.shared = &shared, .target = &target};
+    smr_goal goal = {.n_vertices = 9};
+    smr_surface_goals g = {.shared = &shared, .target = &target, .goal = &goal, .n_goals = 1}; /* without slots */
     double sum = 7.0;
     for (uint32_t i = 0; i < 300000u; i++) {
         const float moved = 1.0e-7f * (float)(i % 7u);

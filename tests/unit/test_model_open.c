@@ -284,6 +284,14 @@ TEST(forged_blocks)
             assert_int_equal(open_with(&w, &b[k].first_index, index[i]), SMR_E_MODEL);
         }
     }
+    unit_mesh few = unit_mesh_new(4, 0); /* behind the blocks is room for two more than there are vertices */
+    memcpy(few.xyz, (const float[12]){0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, 12u * sizeof *few.xyz);
+    small_world small = {.image = unit_prepare_mesh(&few, &c)};
+    r = smr_at(small.image.model, small.image.model->at_radii);
+    assert_int_equal(open_with(&small, &r->n_blocks, 1u), SMR_OK);
+    assert_int_equal(open_with(&small, &r->n_blocks, 5u), SMR_E_MODEL);
+    unit_image_free(&small.image);
+    unit_mesh_free(&few);
     unit_image_free(&w.image);
     unit_mesh_free(&ball);
 }

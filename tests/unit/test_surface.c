@@ -4,7 +4,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
-#include "geometry/surface/surface.h"
+#include "geometry/surface/surface_sweep.h"
 #include "unit_mesh.h"
 
 TEST(refuses_and_leaves_alone)
@@ -282,5 +282,21 @@ TEST(contact_of_boxes)
         assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&in), rig_surface(&out), 0.1f, &r));
         assert_true(fabsf(r.volume_mm3 - 8.0f) < 0.1f && fabsf(r.deepest_mm - (k ? 0.0f : 49.0f)) < 0.1f);
         out.triangles = t;
+    }
+}
+
+/* A triangle within a box, from a place that is said to be far from the box, and from one of unknown distance. */
+TEST(sweep_from_an_unknown_place)
+{
+    static const float large[6] = {-50, -50, -50, 50, 50, 50}, small[6] = {-1, -1, -1, 1, 1, 1};
+    const smr_mesh in = boxes(&small, 1), out = boxes(&large, 1);
+    const smr_surface *const a = rig_surface(&in), *const b = rig_surface(&out);
+    const smr_sweep_found none = {smr_sweep_no_box, 0.0f, 0.0f};
+    const smr_sweep s = {a, b, smr_sub(b->origin, a->origin), smr_sweep_box(b), 0.1f, none};
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_sweep_place last = {smr_v(0, 0, 0), k ? SMR_FAR : 99.0f, SMR_NONE, 0};
+        smr_sweep_found found = none;
+        const float third = smr_sweep_triangle(&s, 0, &last, &found).third;
+        assert_true(k ? fabsf(third - 2.0f / 3.0f) < 1.0e-4f && fabsf(last.side + 49.0f) < 1.0e-3f : third == 0.0f);
     }
 }

@@ -119,6 +119,10 @@ TEST(test_several_ticks)
     assert_true(o.whole >= 300u / 13u && o.fewest == s->shared.n); /* nothing is left out, */
     assert_true(o.sum >= 300u * (budget * 7u / 10u));              /* no tick goes to waste, */
     assert_true(o.late < 30u); /* and a stretch that would end behind the budget mostly waits for the next tick */
+    for (s->step = s->next_task = 0; smr_steps[s->step].work != SMR_WORK_LISTS; s->step++) {
+    }
+    assert_true(smr_budget_ahead(s, 9, SMR_WORK_MOST) > 0u);
+    assert_true(smr_budget_ahead(s, 0, SMR_WORK_MOST) == 0u); /* nothing is left */
 }
 
 TEST(test_nothing_is_left_out_at_the_end)
