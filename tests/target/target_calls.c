@@ -30,7 +30,7 @@ static target_clock target_time;
 static struct {
     const smr_model *model, *of;
     smr_mesh goal, rest;
-    smr_surface *surface, *moved, *cloud_surface;
+    smr_surface *surface, *moved, *bent, *cloud_surface;
     smr_points *points;
     smr_carry *carry;
     smr_warp *warp;
@@ -39,6 +39,7 @@ static struct {
     void *saved;
     smr_job job;
     smr_landmark mark[TARGET_MARKS];
+    uint32_t is_bent;
 } in;
 
 static void *target_take(size_t bytes)
@@ -67,9 +68,8 @@ static smr_status target_init(uint32_t moves)
     const smr_port port = {&target_time, 1u, NULL, target_now};
     const smr_config config = target_calls_config(moves);
     size_t bytes = 0;
-    const smr_status status = smr_arena_bytes(in.model, &config, &bytes);
-    return status != SMR_OK ? status
-                            : smr_init_begin(in.model, &config, &port, target_take(bytes), bytes, &in.s, &in.job);
+    (void)smr_arena_bytes(in.model, &config, &bytes);
+    return smr_init_begin(in.model, &config, &port, target_take(bytes), bytes, &in.s, &in.job);
 }
 
 /* ---- calls that run whole ---- */
@@ -164,10 +164,8 @@ static smr_status target_warp_fit(void)
 {
     uint32_t kind;
     size_t bytes = 0;
-    const smr_status status = smr_warp_bytes(TARGET_WARPED, &bytes);
-    return status != SMR_OK ? status
-                            : smr_warp_fit(target_xyz[2], target_xyz[0], TARGET_WARPED, 0.1f, target_take(bytes), bytes,
-                                           &in.warp, &kind);
+    (void)smr_warp_bytes(TARGET_WARPED, &bytes);
+    return smr_warp_fit(target_xyz[2], target_xyz[0], TARGET_WARPED, 0.1f, target_take(bytes), bytes, &in.warp, &kind);
 }
 static smr_status target_warp(void) { return smr_warp_apply(in.warp, target_xyz[1], in.goal.n_vertices); }
 static smr_status target_moves(void) { return target_init(1); }
@@ -195,20 +193,20 @@ static smr_status target_build(void)
     const smr_status status = smr_surface_bytes(in.goal.n_vertices, in.goal.n_triangles, &bytes);
     return status != SMR_OK ? status : smr_surface_begin(&in.goal, target_take(bytes), bytes, &in.surface);
 }
-static smr_status target_build_moved(void)
+static smr_status target_build_of(const float *xyz, smr_surface **surface)
 {
     size_t bytes = 0;
-    const smr_mesh mesh = {target_xyz[1], target_triangles[0], in.goal.n_vertices, in.goal.n_triangles};
+    const smr_mesh mesh = {xyz, target_triangles[0], in.goal.n_vertices, in.goal.n_triangles};
     const smr_status status = smr_surface_bytes(mesh.n_vertices, mesh.n_triangles, &bytes);
-    return status != SMR_OK ? status : smr_surface_build(&mesh, target_take(bytes), bytes, &in.moved);
+    return status != SMR_OK ? status : smr_surface_build(&mesh, target_take(bytes), bytes, surface);
 }
+static smr_status target_build_moved(void) { return target_build_of(target_xyz[1], &in.moved); }
 static smr_status target_refit(void) { return smr_surface_refit(in.surface, target_xyz[0]); }
 static smr_status target_copy_points(void)
 {
     size_t bytes = 0;
-    const smr_status status = smr_points_surface_bytes(in.goal.n_vertices, &bytes);
-    return status != SMR_OK ? status
-                            : smr_points_surface_begin(in.points, target_take(bytes), bytes, &in.cloud_surface);
+    (void)smr_points_surface_bytes(in.goal.n_vertices, &bytes);
+    return smr_points_surface_begin(in.points, target_take(bytes), bytes, &in.cloud_surface);
 }
 static smr_status target_verdict(void)
 {
@@ -224,18 +222,22 @@ static smr_status target_align(void)
 {
     const smr_align_config config = smr_align_config_default();
     size_t bytes = 0;
-    const smr_status status = smr_align_bytes(&config, &bytes);
-    return status != SMR_OK ? status
-                            : smr_align_begin(in.surface, in.moved, &config, target_take(bytes), bytes,
-                                              &target_poses[1], NULL, &in.job);
+    (void)smr_align_bytes(&config, &bytes);
+    return smr_align_begin(in.surface, in.moved, &config, target_take(bytes), bytes, &target_poses[1], NULL, &in.job);
+}
+static smr_status target_bend(void)
+{
+    size_t bytes = 0;
+    (void)smr_articulated_bytes(in.surface, in.bent, &bytes);
+    return smr_articulated_begin(in.surface, in.bent, &target_poses[0], NULL, target_take(bytes), bytes, target_out,
+                                 &in.is_bent, &in.job);
 }
 static smr_status target_bind(void)
 {
     size_t bytes = 0;
-    const smr_status status = smr_carry_bytes(in.rest.n_vertices, TARGET_FEW, 1, &bytes);
-    return status != SMR_OK ? status
-                            : smr_carry_fit_begin(target_xyz[2], in.rest.n_vertices, target_xyz[0], TARGET_FEW, NULL,
-                                                  target_take(bytes), bytes, &in.carry, &in.job);
+    (void)smr_carry_bytes(in.rest.n_vertices, TARGET_FEW, 1, &bytes);
+    return smr_carry_fit_begin(target_xyz[2], in.rest.n_vertices, target_xyz[0], TARGET_FEW, NULL, target_take(bytes),
+                               bytes, &in.carry, &in.job);
 }
 
 /* ---- the table ---- */
@@ -282,6 +284,7 @@ static const struct {
     {"smr_set_scrub_begin", target_scrub_on, TARGET_JOB, TARGET_VERTEX},
     {"smr_scrub", NULL, TARGET_SCRUB, TARGET_VERTEX},
     {"smr_align_begin", target_align, TARGET_JOB, TARGET_VERTEX},
+    {"smr_articulated_begin", target_bend, TARGET_JOB, TARGET_GOAL_VERTEX},
     {"smr_surface_contact_begin", target_contact, TARGET_JOB, TARGET_VERTEX},
     {"smr_points_open", target_points_open, TARGET_WHOLE, TARGET_GOAL_VERTEX},
     {"smr_points_add", target_points_add, TARGET_WHOLE, TARGET_GOAL_VERTEX},
@@ -389,8 +392,11 @@ static int target_begin(void)
     in.goal.triangles = target_triangles[0];
     in.rest.xyz = target_xyz[2];
     in.rest.triangles = target_triangles[1];
-    for (uint32_t i = 0; i < 3u * in.goal.n_vertices; i++)
-        target_xyz[1][i] = target_xyz[0][i] + (i % 3u == 0u ? 4.0f : 0.0f);
+    for (uint32_t i = 0; i < 3u * in.goal.n_vertices; i++) {
+        static const float aside[3] = {4.0f, 0.0f, 0.0f}, leans[3] = {0.8f, 0.0f, -0.4f}; /* the bone's upper half */
+        target_xyz[1][i] = target_xyz[0][i] + aside[i % 3u];
+        target_out[i] = target_xyz[0][i] + leans[i % 3u] * smr_positive(target_xyz[0][i - i % 3u + 2u] - 215.0f);
+    }
     for (uint32_t i = 0; i < 3u; i++)
         target_poses[0].m[i][i] = 1.0f;
     for (uint32_t i = 0; i < TARGET_MARKS; i++) {
@@ -398,7 +404,7 @@ static int target_begin(void)
         memcpy(in.mark[i].rest, target_xyz[0] + 300u * i, sizeof in.mark[i].rest);
         memcpy(in.mark[i].place, target_xyz[0] + 300u * i, sizeof in.mark[i].place);
     }
-    return 1;
+    return target_ok("bent", target_build_of(target_out, &in.bent) == SMR_OK);
 }
 
 int main(void);
@@ -410,5 +416,5 @@ int main(void)
     int good = target_begin();
     for (uint32_t i = 0; i < sizeof target_calls / sizeof target_calls[0] && good; i++)
         good = target_row(i);
-    return good ? 0 : 1;
+    return good && in.is_bent > 0u ? 0 : 1;
 }
