@@ -8,7 +8,7 @@
 
 #define PROVE_BYTES 20u /* bytes of a save's values */
 
-static unsigned char memory[SMR_SAVED_FIXED + 6u], values[PROVE_BYTES];
+static unsigned char memory[SMR_SAVED_FIXED + 6u], kept[PROVE_BYTES];
 static uint32_t slot[PROVE_BYTES];
 
 smr_config smr_config_default(void)
@@ -43,7 +43,7 @@ static void any_header(uint32_t length, uint32_t stated, uint32_t n_config)
 /* A slot of `count` values, at the end of the memory of slots; values from byte `at` of the save on. */
 static void any_values(uint32_t mode, uint32_t at, uint32_t count, int stored)
 {
-    smr_keeper k = {.mode = mode, .from = values, .at = at, .bytes = PROVE_BYTES};
+    smr_keeper k = {.mode = mode, .from = kept, .at = at, .bytes = PROVE_BYTES};
     uint32_t *end = slot + PROVE_BYTES;
     words(&k, stored ? end - count : NULL, count, PROVE_ANY(0, UINT32_MAX), (int)PROVE_ANY(0, 1));
     //@ assert k.wrong != 0 || k.at <= k.bytes;
@@ -59,7 +59,7 @@ static void any_values(uint32_t mode, uint32_t at, uint32_t count, int stored)
 
 int main(void)
 {
-    PROVE_HOSTILE(values, sizeof values);
+    PROVE_HOSTILE(kept, sizeof kept);
     for (uint32_t length = SMR_SAVED_FIXED - 1u; length <= sizeof memory; length++)
         for (uint32_t n = 0; n <= 4u; n++) {
             any_header(length, SMR_SAVED_FIXED + 3u, n);
