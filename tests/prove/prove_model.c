@@ -168,10 +168,17 @@ static void each(stated *t, uint32_t *number, uint32_t few)
 static void part(stated t, uint32_t n)
 {
     switch (n) {
-    case 0: case 1: case 2: case 3: case 4: case 5: case 6: case 7:
-        each(&t, &t.structures[n / 4u][n % 4u], n % 4u < 2u ? PROVE_VERTICES + 1u : PROVE_TRIANGLES + 1u);
-        break;
-    case 8: case 9: case 10:
+    case 0:
+    case 1:
+    case 2:
+    case 3:
+    case 4:
+    case 5:
+    case 6:
+    case 7: each(&t, &t.structures[n / 4u][n % 4u], n % 4u < 2u ? PROVE_VERTICES + 1u : PROVE_TRIANGLES + 1u); break;
+    case 8:
+    case 9:
+    case 10:
         for (t.n_levels = n - 8u, t.level_end[0] = 0; t.level_end[0] <= PROVE_VERTICES; t.level_end[0]++)
             each(&t, &t.level_end[1], PROVE_VERTICES + 1u);
         break;
@@ -180,7 +187,14 @@ static void part(stated t, uint32_t n)
         t.n_levels = PROVE_ANY(SMR_LEVELS_MAX + 1u, UINT32_MAX);
         any(&t);
         break;
-    case 12: case 13: case 14: case 15: case 16: case 17: case 18: case 19:
+    case 12:
+    case 13:
+    case 14:
+    case 15:
+    case 16:
+    case 17:
+    case 18:
+    case 19:
         t.width = n < 16u ? 2u : 4u;
         t.n_indexes = n % 4u;
         each(&t, &t.n_blocks, PROVE_VERTICES + 1u);
@@ -216,9 +230,7 @@ static void part(stated t, uint32_t n)
                 for (t.bytes = 0; t.bytes <= 108u; t.bytes += 36u)
                     any(&t);
         break;
-    default:
-        t.bytes = PROVE_ANY(109u, UINT32_MAX);
-        any(&t);
+    default: t.bytes = PROVE_ANY(109u, UINT32_MAX); any(&t);
     }
 }
 
