@@ -4,7 +4,7 @@
 # SPDX-License-Identifier: MIT
 set -u
 . tests/checks.inc
-unbounded='smr_init_begin dynamics|smr_articulated_begin'
+unbounded='smr_init_begin dynamics'
 tr -d , <docs/TIMING.md >"$tmp/page"
 tr -d , <tests/timing/results/calls.txt |
     awk -F '; ' '$1 == "piece" && $2 != "smr_tick" { most = $3 > $4 ? $3 : $4; print (most > $5 ? most : $5), $2 }' >"$tmp/calls"

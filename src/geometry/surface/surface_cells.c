@@ -18,12 +18,12 @@ void smr_cells_layout(smr_arena *a, smr_cells *c)
     c->queued = smr_arena_take(a, n, sizeof *c->queued);
 }
 
-void smr_cells_start(const smr_cells *c)
+void smr_cells_start(const smr_cells *c, uint32_t first, uint32_t last)
 {
-    const size_t n = c->surface->n_vertices;
-    memset(c->of, 0xFF, n * sizeof *c->of); /* SMR_NONE */
-    memset(c->corner, 0xFF, n * sizeof *c->corner);
-    memset(c->queued, 0, n * sizeof *c->queued);
+    for (uint32_t v = first; v < last; v++) {
+        c->of[v] = c->corner[v] = SMR_NONE;
+        c->queued[v] = 0;
+    }
 }
 
 void smr_cells_chain(const smr_cells *c, uint32_t first, uint32_t last)

@@ -31,7 +31,8 @@ typedef struct smr_cells {
 } smr_cells;
 
 void smr_cells_layout(smr_arena *a, smr_cells *c);
-void smr_cells_start(const smr_cells *c); /* before any triangle is chained: no vertex has a cell or a corner */
+/* Before any triangle is chained: these vertices have no cell and no corner. */
+void smr_cells_start(const smr_cells *c, uint32_t first, uint32_t last);
 void smr_cells_chain(const smr_cells *c, uint32_t first, uint32_t last); /* chains the corners of some triangles */
 /* Visits a vertex. Returns 0 when all vertices have a cell, or when there are too many cells. */
 int smr_cells_divide(smr_cells *c);

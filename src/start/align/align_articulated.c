@@ -22,8 +22,9 @@
 #define SMR_BENT_CHEAPER 0.5f     /* largest cost of a result / cost of the start pose */
 #define SMR_BENT_UNEXPLAINED 0.2f /* largest cost of the side that a result explains better */
 
-#define SMR_BENT_PIECE 512u /* vertices, triangles or visits in a task */
-#define SMR_BENT_PATCHES 1u /* patches or cells in a task */
+#define SMR_BENT_PIECE 128u /* vertices, triangles or patches in a task */
+#define SMR_BENT_VISITS 64u /* visits in a task that divides surfaces */
+#define SMR_BENT_NEW 64u    /* patches that a task clears */
 #define SMR_BENT_MOVED 16u  /* vertices that a task moves */
 
 typedef struct bent_job {
@@ -38,6 +39,7 @@ static void layout(smr_arena *arena, const smr_surface *model, const smr_surface
 {
     *work = smr_arena_take(arena, 1, sizeof **work);
     w->patch = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->patch);
+    w->slice = smr_arena_take(arena, SMR_BENT_SLICES, sizeof *w->slice);
     w->owner = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->owner);
     for (uint32_t i = 0; i < SMR_SIDES; i++) {
         w->d2[i] = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->d2[i]);
@@ -47,15 +49,10 @@ static void layout(smr_arena *arena, const smr_surface *model, const smr_surface
 }
 
 /* Stages that others go back or on to. */
-enum { SMR_BENT_DIVIDE = 1, SMR_BENT_FIND = 4, SMR_BENT_MEASURE = 8, SMR_BENT_MOVE = 11, SMR_BENT_END };
+enum { SMR_BENT_DIVIDE = 2, SMR_BENT_FIND = 5, SMR_BENT_MEASURE = 12, SMR_BENT_MOVE = 16, SMR_BENT_END };
 
 static smr_bent *work_of(const void *job) { return ((const bent_job *)job)->w; }
-static uint32_t patch_tasks(const void *job) { return smr_ceil_div(work_of(job)->side[SMR_MODEL].n, SMR_BENT_PATCHES); }
-
-static smr_piece patches_of(const smr_bent *w, uint32_t task)
-{
-    return smr_piece_of(task, SMR_BENT_PATCHES, w->side[SMR_MODEL].n);
-}
+static uint32_t patch_tasks(const void *job) { return work_of(job)->side[SMR_MODEL].n; }
 
 /* ---- cells and patches ---- */
 
@@ -67,6 +64,20 @@ static uint32_t item_tasks(const void *job)
 {
     const smr_cells *side = work_of(job)->side;
     return smr_ceil_div(smr_max_u32(items_of(&side[SMR_MODEL]), items_of(&side[SMR_TARGET])), SMR_BENT_PIECE);
+}
+
+static uint32_t clear_tasks(const void *job) { return smr_max_u32(item_tasks(job), SMR_CELLS_MOST / SMR_BENT_NEW); }
+
+static void clear(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_bent *w = work_of(job);
+    const smr_piece patches = smr_piece_of(task, SMR_BENT_NEW, SMR_CELLS_MOST);
+    for (uint32_t i = patches.first; i < patches.last; i++)
+        memset(&w->patch[i], 0, sizeof w->patch[i]);
+    for (uint32_t i = 0; i < SMR_SIDES; i++) {
+        const smr_piece piece = smr_piece_of(task, SMR_BENT_PIECE, w->side[i].surface->n_vertices);
+        smr_cells_start(&w->side[i], piece.first, piece.last);
+    }
 }
 
 static void chain(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -83,7 +94,7 @@ static void divide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     bent_job *const j = job;
     smr_cells *const side = j->w->side;
     int more = 1;
-    for (uint32_t i = 0; i < SMR_BENT_PIECE && more; i++)
+    for (uint32_t i = 0; i < SMR_BENT_VISITS && more; i++)
         more = smr_cells_divide(&side[SMR_MODEL]) || smr_cells_divide(&side[SMR_TARGET]);
     if (more)
         j->head.next_stage = SMR_BENT_DIVIDE;
@@ -102,20 +113,41 @@ static void link_patches(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_patches_link(w, piece.first, piece.last);
 }
 
-static void set_patches(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    const smr_piece piece = patches_of(work_of(job), task);
-    for (uint32_t i = piece.first; i < piece.last; i++)
-        smr_patch_set(work_of(job), i);
-}
+static void set_patches(void *job, uint32_t task, SMR_UNUSED uint32_t worker) { smr_patch_set(work_of(job), task); }
 
 /* ---- rounds ---- */
 
+static uint32_t slice_tasks(const void *job)
+{
+    const smr_bent *w = work_of(job);
+    return smr_min_u32(SMR_BENT_SLICES, w->side[SMR_MODEL].n - w->next);
+}
+
 static void find_goals(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    const smr_piece piece = patches_of(work_of(job), task);
-    for (uint32_t i = piece.first; i < piece.last; i++)
-        smr_patch_find(work_of(job), &work_of(job)->patch[i]);
+    smr_bent *w = work_of(job);
+    smr_align_slice *const slice = &w->slice[task];
+    slice->pause.left = SMR_ALIGN_WORK;
+    if (!slice->done)
+        slice->done = (uint32_t)smr_patch_find(w, &w->patch[w->next + task], &slice->pause);
+}
+
+/* Goes back to searches that are not complete, or to the next ones. */
+static void end_goals(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    smr_bent *w = j->w;
+    const uint32_t n = slice_tasks(job);
+    uint32_t done = 0;
+    for (uint32_t i = 0; i < n; i++)
+        done += w->slice[i].done;
+    for (uint32_t i = 0; i < n && done == n; i++)
+        w->slice[i].done = 0;
+    w->next += done == n ? n : 0u;
+    if (w->next < w->side[SMR_MODEL].n)
+        j->head.next_stage = SMR_BENT_FIND;
+    else
+        w->next = 0;
 }
 
 static void own_cells(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
@@ -127,30 +159,50 @@ static void own_cells(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
         j->head.next_stage = SMR_BENT_MEASURE;
 }
 
-static void fit_motions(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+static uint32_t extend_tasks(const void *job)
 {
-    const smr_piece piece = patches_of(work_of(job), task);
-    for (uint32_t i = piece.first; i < piece.last; i++)
-        smr_patch_fit(work_of(job), &work_of(job)->patch[i]);
+    return work_of(job)->agree2 > 0.0f && work_of(job)->round == 0u ? patch_tasks(job) : 0u;
 }
 
-/* After the rounds of a step the neighbours of all patches join; once there are none, parts become rigid. */
+static void extend(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_patch_extend(work_of(job), &work_of(job)->patch[task]);
+}
+
+static void fit_motions(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_patch_fit(work_of(job), &work_of(job)->patch[task]);
+}
+
+/* Ends a round, and after the last one a step. */
 static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     bent_job *const j = job;
     smr_bent *w = j->w;
-    j->head.next_stage = SMR_BENT_FIND;
     const float cell2 = w->radius * w->radius;
     for (uint32_t k = 0; k < w->patch[w->seed].n_near && w->agree2 == 0.0f; k++)
         w->patch[w->patch[w->seed].member[k]].motion = w->patch[w->seed].motion;
     if (w->agree2 > 0.0f)
         w->agree2 = smr_max(SMR_BENT_STRICTER * SMR_BENT_STRICTER * w->agree2, SMR_BENT_AGREE * SMR_BENT_AGREE * cell2);
-    if (++w->round < SMR_BENT_ROUNDS || w->agree2 > 0.0f)
+    if (++w->round < SMR_BENT_ROUNDS || w->agree2 > 0.0f) {
+        j->head.next_stage = SMR_BENT_FIND;
         return;
+    }
     w->step++;
     w->round = 0;
     w->agree2 = cell2;
-    for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
+}
+
+static uint32_t join_tasks(const void *job) { return smr_ceil_div(work_of(job)->side[SMR_MODEL].n, SMR_BENT_PIECE); }
+
+/* After a step the neighbours of all patches join; once there are none, parts become rigid. */
+static void join(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    bent_job *const j = job;
+    smr_bent *w = j->w;
+    const smr_piece piece = smr_piece_of(task, SMR_BENT_PIECE, w->side[SMR_MODEL].n);
+    j->head.next_stage = SMR_BENT_FIND;
+    for (uint32_t i = piece.first; i < piece.last; i++) {
         smr_patch *const p = &w->patch[i];
         for (uint32_t k = 0; k < p->n_links && p->joined == 0u; k++) {
             const smr_patch *q = &w->patch[p->link[k]];
@@ -168,20 +220,19 @@ static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
 static uint32_t measure_tasks(const void *job)
 {
     const smr_bent *w = work_of(job);
-    return smr_ceil_div(smr_max_u32(w->side[SMR_MODEL].n, w->side[SMR_TARGET].n), SMR_BENT_PATCHES);
+    return smr_max_u32(w->side[SMR_MODEL].n, w->side[SMR_TARGET].n);
 }
 
 static void measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_bent *w = work_of(job);
     const smr_cells *t = &w->side[SMR_TARGET];
-    const smr_piece model = patches_of(w, task), target = smr_piece_of(task, SMR_BENT_PATCHES, t->n);
-    for (uint32_t i = model.first; i < model.last; i++)
-        w->d2[SMR_MODEL][i] = w->patch[i].weight > 0.0f ? w->patch[i].d2 : FLT_MAX;
-    for (uint32_t i = target.first; i < target.last; i++) {
-        const uint32_t v = t->cell[i].middle;
-        w->d2[SMR_TARGET][i] = smr_patches_distance2(w, smr_get3(t->surface->xyz, v), smr_get3(t->surface->normal, v));
-    }
+    if (task < w->side[SMR_MODEL].n)
+        w->d2[SMR_MODEL][task] = w->patch[task].weight > 0.0f ? w->patch[task].d2 : FLT_MAX;
+    if (task >= t->n)
+        return;
+    const uint32_t v = t->cell[task].middle;
+    w->d2[SMR_TARGET][task] = smr_patches_distance2(w, smr_get3(t->surface->xyz, v), smr_get3(t->surface->normal, v));
 }
 
 /* Sets the distance at which a place costs 1, from the spread of the model in the start pose. */
@@ -234,6 +285,17 @@ static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     j->head.next_stage = *w->bent > 0u ? SMR_BENT_MOVE : SMR_BENT_END;
 }
 
+/* Sums the costs around a patch. */
+static void weigh(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_bent *w = work_of(job);
+    smr_patch *const p = &w->patch[task];
+    p->weight = 0.0f;
+    for (uint32_t k = 0; k < p->n_near; k++)
+        p->weight += cost_of(w, SMR_MODEL, p->member[k]);
+    p->joined = p->found = 0;
+}
+
 /* Chooses the seed, around which the start pose costs least. */
 static void seed(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -242,13 +304,9 @@ static void seed(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker
     const smr_patch *best = w->patch;
     float least = FLT_MAX;
     for (uint32_t i = 0; i < w->side[SMR_MODEL].n; i++) {
-        smr_patch *const p = &w->patch[i];
-        float sum = 0.0f;
-        for (uint32_t k = 0; k < p->n_near; k++)
-            sum += cost_of(w, SMR_MODEL, p->member[k]);
-        best = sum < least * (float)p->n_near ? p : best;
-        least = smr_min(least, sum / (float)p->n_near);
-        p->joined = p->found = 0;
+        const smr_patch *p = &w->patch[i];
+        best = p->weight < least * (float)p->n_near ? p : best;
+        least = smr_min(least, p->weight / (float)p->n_near);
     }
     for (uint32_t k = 0; k < best->n_near; k++)
         w->patch[best->member[k]].joined = w->patch[best->member[k]].found = 1;
@@ -276,16 +334,21 @@ static void move(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 }
 
 static const smr_stage stages[] = {
+    {clear_tasks, clear, NULL, NULL},
     {item_tasks, chain, smr_in_order, NULL},
     {NULL, divide, NULL, NULL},
     {item_tasks, link_patches, smr_in_order, NULL},
     {patch_tasks, set_patches, NULL, NULL},
-    {patch_tasks, find_goals, NULL, NULL},
+    {slice_tasks, find_goals, NULL, NULL},
+    {NULL, end_goals, NULL, NULL},
     {NULL, own_cells, NULL, NULL},
+    {extend_tasks, extend, NULL, NULL},
     {patch_tasks, fit_motions, NULL, NULL},
     {NULL, end_round, NULL, NULL},
+    {join_tasks, join, smr_in_order, NULL},
     {measure_tasks, measure, NULL, NULL},
     {NULL, decide, NULL, NULL},
+    {patch_tasks, weigh, NULL, NULL},
     {NULL, seed, NULL, NULL},
     {move_tasks, move, NULL, NULL},
 };
@@ -330,9 +393,7 @@ smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *ta
     layout(&arena, model, target, &j->w, &w);
     if (arena.used > bytes)
         return SMR_E_ARENA;
-    memset(w.patch, 0, SMR_CELLS_MOST * sizeof *w.patch);
-    for (uint32_t i = 0; i < SMR_SIDES; i++)
-        smr_cells_start(&w.side[i]);
+    memset(w.slice, 0, SMR_BENT_SLICES * sizeof *w.slice);
     w.start = *start;
     smr_pose_through(&w.start, smr_v(0, 0, 0), smr_sub(smr_pose_apply(start, model->origin), target->origin));
     w.side[SMR_MODEL].radius = SMR_SQRT(model->area_mean * (float)model->n_used / SMR_BENT_CELLS);

@@ -98,7 +98,7 @@ static int may_follow(const smr_bent *w, const smr_patch *p)
     return w->step == 0u || (near && owned);
 }
 
-void smr_patch_find(const smr_bent *w, smr_patch *p)
+int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause)
 {
     const smr_surface *s = w->side[SMR_TARGET].surface;
     const float range2 = SMR_BENT_REACH * SMR_BENT_REACH * w->radius * w->radius;
@@ -106,18 +106,21 @@ void smr_patch_find(const smr_bent *w, smr_patch *p)
     p->d2 = FLT_MAX;
     p->on = SMR_NONE;
     if (p->joined == 0u)
-        return;
+        return 1;
     p->at = smr_patch_place(w, p, p->rest);
     const smr_query q = {p->at, smr_pose_turn(&p->motion, p->normal), SMR_BENT_COS, SMR_BENT_NODES, SMR_NONE};
     smr_hit hit = {range2, SMR_NONE, {0, 0, 0}};
-    smr_surface_search(s, NULL, &q, &hit);
+    smr_certainty known = {-1.0f, 0.0f, 0, pause};
+    if (!smr_surface_search_known(s, NULL, &q, &hit, &known))
+        return 0;
     if (hit.triangle == SMR_NONE || (s->open && smr_surface_on_border(s, hit.triangle, hit.weight)))
-        return;
+        return 1;
     p->d2 = hit.d2;
     p->on = w->side[SMR_TARGET].of[s->triangle[3u * (size_t)hit.triangle]];
     p->goal = smr_triangle_point(&s->tree, hit.triangle, hit.weight);
     const float half = 1.0f / (1.0f + hit.d2 / range2);
     p->weight = p->on != SMR_NONE && may_follow(w, p) ? half * half : 0.0f;
+    return 1;
 }
 
 void smr_patches_own(const smr_bent *w)
@@ -131,6 +134,12 @@ void smr_patches_own(const smr_bent *w)
     }
 }
 
+void smr_patch_extend(const smr_bent *w, smr_patch *p)
+{
+    if (p->joined > 0u)
+        add_neighbours(w, p, p->n_links + 1u, SMR_BENT_MEMBERS);
+}
+
 void smr_patch_fit(const smr_bent *w, smr_patch *p)
 {
     smr_fit fit;
@@ -140,8 +149,6 @@ void smr_patch_fit(const smr_bent *w, smr_patch *p)
     const int joining = w->agree2 == 0.0f;
     if (joining && p->joined == 1u && p != &w->patch[w->seed])
         return;
-    if (!joining && w->round == 0u)
-        add_neighbours(w, p, p->n_links + 1u, SMR_BENT_MEMBERS);
     smr_fit_start(&fit, p->rest, p->at);
     for (uint32_t k = 0; k < (joining ? p->n_near : p->n); k++) {
         const smr_patch *q = &w->patch[p->member[k]];

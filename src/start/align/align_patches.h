@@ -8,6 +8,7 @@
 
 #define SMR_BENT_LINKS 10u   /* largest number of neighbours of a patch */
 #define SMR_BENT_MEMBERS 64u /* largest number of members of a patch */
+#define SMR_BENT_SLICES 32u  /* largest number of searches in work */
 
 /* A patch: the rigid motion of a cell of the model. Places are mm from the target's origin. */
 typedef struct smr_patch {
@@ -29,19 +30,21 @@ typedef struct smr_patch {
 /* State of a call, in the caller's memory. */
 typedef struct smr_bent {
     smr_cells side[SMR_SIDES];
-    smr_patch *patch;     /* [SMR_CELLS_MOST] */
-    uint32_t *owner;      /* [SMR_CELLS_MOST] the patch that is nearest on each cell of the target; SMR_NONE: none */
-    float *d2[SMR_SIDES]; /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2 */
-    smr_pose start;       /* start pose between coordinates relative to the surfaces' origins */
-    float radius;         /* of cells, mm of the target */
-    uint32_t seed;        /* the patch whose near members join first, as a rigid part */
-    float agree2;         /* squared distance at which members of a part agree by a half, mm^2; 0: patches join */
-    float limit2;         /* squared distance at which a place costs 1, mm^2 */
-    float before, least;  /* cost of the start pose; on the side that it explains better */
-    uint32_t step;        /* 0: the start pose is measured */
-    uint32_t round;       /* rounds done in this step */
-    float *xyz;           /* the caller's */
-    uint32_t *bent;       /* the caller's */
+    smr_patch *patch;       /* [SMR_CELLS_MOST] */
+    smr_align_slice *slice; /* [SMR_BENT_SLICES] searches of closest points in work */
+    uint32_t next;          /* patch of the first of them */
+    uint32_t *owner;        /* [SMR_CELLS_MOST] the patch that is nearest on each cell of the target; SMR_NONE: none */
+    float *d2[SMR_SIDES];   /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2 */
+    smr_pose start;         /* start pose between coordinates relative to the surfaces' origins */
+    float radius;           /* of cells, mm of the target */
+    uint32_t seed;          /* the patch whose near members join first, as a rigid part */
+    float agree2;           /* squared distance at which members of a part agree by a half, mm^2; 0: patches join */
+    float limit2;           /* squared distance at which a place costs 1, mm^2 */
+    float before, least;    /* cost of the start pose; on the side that it explains better */
+    uint32_t step;          /* 0: the start pose is measured */
+    uint32_t round;         /* rounds done in this step */
+    float *xyz;             /* the caller's */
+    uint32_t *bent;         /* the caller's */
 } smr_bent;
 
 /* Adds the areas of some vertices to their cells; links patches whose cells share an edge of some triangles. */
@@ -53,10 +56,12 @@ void smr_patch_set(const smr_bent *w, uint32_t i);
 /* Returns the place of a point of a patch by the motions of all members that have joined; rest: in the start pose, and
  * the result without any. */
 smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest);
-/* Finds a patch's present place, and its closest point with a weight. */
-void smr_patch_find(const smr_bent *w, smr_patch *p);
+/* Finds a patch's present place, and its closest point with a weight. Returns 0 when the work ended. */
+int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause);
 /* Gives each cell of the target to the patch whose closest point there is nearest. */
 void smr_patches_own(const smr_bent *w);
+/* Adds neighbours of members to the members, as far as there is room. */
+void smr_patch_extend(const smr_bent *w, smr_patch *p);
 /* Fits the motion to goals and present places of members. Members that have not joined keep the patch in place. The
  * seed stays while patches join; then members that move otherwise lose their weight, so that parts become rigid. */
 void smr_patch_fit(const smr_bent *w, smr_patch *p);
