@@ -131,7 +131,7 @@ TEST(test_prevents)
     assert_true(marked > 100u);
 }
 
-/* A start shape that is sound, torn by a coarse step: repairing iterations bring it back without forces. */
+/* A start shape that is sound, torn by a coarse step: the first iteration brings it back. */
 TEST(test_repairs)
 {
     const smr_mesh mesh = sheet();
@@ -145,112 +145,15 @@ TEST(test_repairs)
         memcpy(s->shape.x_ref, s->shape.x, 3u * s->shared.n * sizeof(float));
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         before += n_folds(&mesh, x);
-        for (uint32_t i = 0; i < 100u && s->schedule.repairing > 0u; i++)
-            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-        assert_int_equal(0, s->schedule.repairing); /* it ends */
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(0, s->schedule.repairing); /* it ends, and leaves no momentum and no folds in x^r */
+        assert_memory_equal(s->shape.x, s->shape.x_next, sizeof x);
+        assert_memory_equal(s->shape.x, s->shape.x_ref, sizeof x);
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         after += n_folds(&mesh, x);
     }
     assert_true(before > 30u);
     assert_int_equal(0, after);
-}
-
-/* Folds a model that an iteration of repair has left, as if folds remained; x_next stays as it was before. */
-static void fold_again(smr *s, uint32_t seed)
-{
-    const size_t bytes = 3u * s->shared.n * sizeof(float);
-    float before[3 * SIDE * SIDE];
-    memcpy(before, s->shape.x_next, bytes);
-    step_over(s, 12, seed);
-    memcpy(s->shape.x, s->shape.x_next, bytes);
-    memcpy(s->shape.x_ref, s->shape.x, bytes);
-    memcpy(s->shape.x_next, before, bytes);
-    smr_triangles_now(&s->shape);
-    smr_certainties_clear(&s->forces.surface);
-    smr_guard_close(s);
-}
-
-/* Forces do not act in repairs. Iterations that leave them out end as those do that compute them, as with functions of
- * the caller, and so does all that comes later. */
-TEST(test_repairs_without_forces)
-{
-    const smr_mesh mesh = sheet(), bent = bent_sheet(0.95f);
-    const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
-    uint32_t n_without = 0;
-    for (uint32_t seed = 1; seed < 13u; seed++) {
-        smr *s[2];
-        const int rejects = seed % 3u == 0u; /* then forces follow from those before and are never left out */
-        for (uint32_t i = 0; i < 2u; i++) {
-            smr_config c = smr_config_default();
-            c.caller.force = i == 0u ? SMR_CALLER_OFF : SMR_CALLER_ON;
-            c.basic.n_target_vertices = SIDE * SIDE;
-            c.partial.coverage = SMR_COVERAGE_WHOLE;
-            c.forces.reject_deviations = rejects ? 1.0f : 0.0f;
-            s[i] = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
-            assert_int_equal(SMR_OK, smr_set_surface(s[i], 0, rig_surface(&bent)));
-        }
-        for (uint32_t tick = 0; tick < 30u && !s[0]->schedule.done; tick++) {
-            for (uint32_t i = 0; i < 2u; i++) {
-                if (tick < 4u)
-                    fold_again(s[i], seed + 10u * tick);
-                if (i == 0u && !rejects && tick > 0u && tick < 4u) /* what is no longer true and must be forgotten */
-                    memset(s[i]->forces.surface.other, 255, s[i]->shared.n * sizeof *s[i]->forces.surface.other);
-                assert_int_equal(SMR_OK, smr_tick(s[i], 0, NULL));
-            }
-            n_without += s[0]->forces.totals.mean != s[1]->forces.totals.mean;
-            assert_true(s[0]->report.state_hash == s[1]->report.state_hash);
-            assert_int_equal(s[0]->schedule.repairing, s[1]->schedule.repairing);
-        }
-        assert_float_equal(s[0]->report.residual_mean_mm, s[1]->report.residual_mean_mm, 0.0f);
-    }
-    assert_true(n_without > 20u);
-}
-
-static const void *given_next(void *ctx, SMR_UNUSED const smr_log_record *record)
-{
-    const void ***next = ctx;
-    return *(*next)++;
-}
-
-/* A target that is set while a repair searches for folds, before forces, is set there in a replay, too. */
-TEST(test_target_within_a_repair)
-{
-    static unsigned char log[1u << 16];
-    const smr_mesh mesh = sheet(), bent = bent_sheet(0.95f), far = bent_sheet(0.1f);
-    const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
-    const smr_model *model = rig_model(&mesh, 1, &radii);
-    smr_config c = smr_config_default();
-    c.basic.n_target_vertices = SIDE * SIDE;
-    c.partial.coverage = SMR_COVERAGE_WHOLE;
-    float folded[3 * SIDE * SIDE];
-    uint32_t seed = 7, n = 2;
-    memcpy(folded, mesh.xyz, sizeof folded);
-    for (uint32_t i = 0; i < 40u; i++)
-        folded[3u * (i * 29u % (SIDE * SIDE)) + i % 2u] += rig_between(&seed, -12.0f, 12.0f);
-    const void *given[3] = {folded, rig_surface(&bent), rig_surface(&far)}, **next = given;
-    rig_clock clock;
-    smr *s = rig_init(model, &c, NULL), *again = rig_init(model, &c, NULL);
-    s->port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
-    smr_guard_close(s);
-    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
-    assert_int_equal(SMR_OK, smr_set_positions(s, 0, folded));
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, given[1]));
-    smr_tick_report report = {0};
-    for (uint32_t i = 0; i < 4000u && report.iteration < 6u; i++) {
-        const smr_status status = smr_tick(s, n < 3u ? 1 : 0, &report);
-        if (n == 2u && status == SMR_PARTIAL && s->schedule.repairing > 1u && s->step > 0u && s->step < 3u)
-            assert_int_equal(SMR_OK, smr_set_surface(s, 0, given[n++]));
-    }
-    assert_int_equal(3, n);
-    smr_log_state so_far;
-    smr_replay replay;
-    smr_replay_report told = {0};
-    assert_int_equal(SMR_OK, smr_get_log(s, &so_far));
-    assert_int_equal(SMR_OK, smr_replay_start(again, log, so_far.bytes, given_next, &next, &replay));
-    while (!told.ended) {
-        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &told));
-        assert_int_equal(0, told.differs);
-    }
 }
 
 /* A model with a crease, whose next positions have it sharper; how many hinges there turn back before and after. */

@@ -18,7 +18,7 @@ void smr_folds_reset(smr_folds *f)
     memset(&f->repair, 0, sizeof f->repair);
     memset(&f->limit, 0, sizeof f->limit);
     memset(&f->open, 0, sizeof f->open);
-    f->moved = f->alone = 0;
+    f->moved = 0;
 }
 
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p)
@@ -30,12 +30,6 @@ uint32_t smr_fold_find_tasks(const void *arg)
 {
     const smr_folds *f = arg;
     return smr_folds_guarded(f->shared, f->schedule) ? f->n_dihedral_tasks : 0u;
-}
-
-uint32_t smr_fold_ahead_tasks(const void *arg)
-{
-    const uint32_t repairing = ((const smr_folds *)arg)->schedule->repairing; /* from the second one on x^r is x */
-    return repairing > 1u && repairing < SMR_REPAIR_MAX ? smr_fold_find_tasks(arg) : 0u;
 }
 
 #define SMR_FIND_PIECE 128u   /* number of dihedral edges that a worker tests before the worker may stop */
@@ -85,7 +79,7 @@ void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
 void smr_fold_find_end(smr_folds *f)
 {
     uint32_t n_bent = 0, n_open = 0;
-    f->n_guarded = f->n_folding = 0;
+    f->n_guarded = 0;
     for (uint32_t task = 0; task < f->n_dihedral_tasks; task++) {
         n_bent += f->tally[task].folds.n_bent;
         n_open += f->tally[task].folds.n_open;

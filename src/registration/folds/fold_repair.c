@@ -1,13 +1,14 @@
-/* fold_repair.c: repairs folds before the last two radii, in iterations without forces. A patch around a fold, which
- * grows while the fold remains, gets the smoothest displacement from the rest shape that fits its surroundings.
- * Bounds: one pass over the dihedral edges; for each ring of the patch 3 + 2 SMR_REPAIR_SWEEPS over a structure.
+/* fold_repair.c: repairs folds in an iteration before the last radius but one. A patch around a fold gets the
+ * smoothest displacement from the rest shape that fits its surroundings. Some folds remain: larger patches would lose
+ * more of what forces found than the folds do, and the last radius opens most of the rest.
+ * Bounds: one pass over the dihedral edges; 2 SMR_REPAIR_RINGS + 2 SMR_REPAIR_SWEEPS + 1 over a structure.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
 #define SMR_EDGE_FLOOR 1.0e-3f /* mm: added to edge lengths in divisors */
 #define SMR_REPAIR_CHUNK 128u  /* number of dihedral edges, triangles or vertices in a task */
-#define SMR_REPAIR_SWEEPS 10u  /* number of sweeps over the patch around a fold, for each ring of the patch */
-#define SMR_REPAIR_WIDEN 3u    /* number of iterations after which the patch grows by a ring */
+#define SMR_REPAIR_RINGS 2u    /* number of rings of vertices in the patch, around those of the fold */
+#define SMR_REPAIR_SWEEPS 10u  /* number of sweeps over the patch */
 
 /* Stages of the repair: none; mark folds; then for each structure with folds the others, in this order. */
 enum { REPAIR_IDLE, REPAIR_MARK, REPAIR_WIDER, REPAIR_JOIN, REPAIR_CLEAR, REPAIR_SUM, REPAIR_MOVE };
@@ -30,7 +31,6 @@ static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
             continue;
         mark(f, smr_edge_first(f, h));
         mark(f, smr_edge_second(f, h));
-        f->repair.n_folds++;
     }
 }
 
@@ -117,9 +117,6 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* Returns the number of rings of the patch in this iteration. */
-static uint32_t rings_of(const smr_folds *f) { return 1u + f->schedule->repairing / SMR_REPAIR_WIDEN; }
-
 static void next_structure(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
@@ -133,13 +130,12 @@ static void next_pass(smr_folds *f)
     smr_fold_repair *r = &f->repair;
     r->pass.at = 0;
     if (r->pass.stage == REPAIR_MARK) {
-        f->n_folding = r->n_folds;
         next_structure(f);
     } else if (r->pass.stage == REPAIR_JOIN) {
-        r->pass.stage = ++r->ring < rings_of(f) ? REPAIR_WIDER : REPAIR_CLEAR;
+        r->pass.stage = ++r->ring < SMR_REPAIR_RINGS ? REPAIR_WIDER : REPAIR_CLEAR;
     } else if (r->pass.stage != REPAIR_MOVE) {
         r->pass.stage++;
-    } else if (++r->sweep < SMR_REPAIR_SWEEPS * rings_of(f)) {
+    } else if (++r->sweep < SMR_REPAIR_SWEEPS) {
         r->pass.stage = REPAIR_SUM;
     } else {
         r->pass.structure++;

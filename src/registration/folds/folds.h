@@ -1,7 +1,7 @@
 /* folds.h: finds and removes folds, triangles that turn over, at the last two radii. In: next positions. Out: next
- * positions with folds repaired, limited or opened. fold_find.c counts folds; fold_repair.c works before a radius
- * starts, fold_limit.c in its iterations, fold_open.c on remaining folds at the last radius. A dihedral edge is shared
- * by two triangles; the edge's cosine is that of the angle between their normals.
+ * positions with folds repaired, limited or opened. fold_find.c counts folds; fold_repair.c works in an
+ * iteration before the last radius but one, fold_limit.c in later ones, fold_open.c on remaining folds at the last
+ * radius. A dihedral edge is shared by two triangles; the edge's cosine is that of the angle between their normals.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_FOLDS_H
 #define SMR_FOLDS_H
@@ -27,7 +27,6 @@ enum { SMR_OVER_DIHEDRALS = 0, SMR_OVER_TRIANGLES, SMR_OVER_VERTICES };
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
     uint32_t ring, sweep; /* index of the current ring of the patch around folds; index of the current sweep */
-    uint32_t n_folds;     /* number of folded edges marked so far in this iteration */
 } smr_fold_repair;
 
 typedef struct smr_fold_limit {
@@ -52,10 +51,8 @@ typedef struct smr_folds {
     uint8_t *marked;           /* [n] not 0: a fold step changes the vertex' position in this iteration */
     uint32_t *folding;         /* [n_structures] 1: the structure has folds */
     uint32_t n_dihedral_tasks; /* number of tasks of fold_find.c */
-    uint32_t n_folding;        /* number of folded dihedral edges when the repair began */
     uint32_t n_guarded;        /* number of vertices that fold steps changed in this iteration */
     uint32_t moved;            /* 1: x_next has changed and the triangles must be updated */
-    uint32_t alone;            /* 1: an iteration of repair without forces */
     smr_fold_repair repair;
     smr_fold_limit limit;
     smr_fold_open open;
@@ -68,8 +65,7 @@ void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
 void smr_folds_reset(smr_folds *f); /* clears the passes when an iteration is complete or abandoned */
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* returns 1 where folds are searched for */
 
-/* smr_fold_ahead_tasks: tasks of a search in x, in iterations of repair whose forces nothing may need. */
-smr_count_tasks smr_fold_find_tasks, smr_fold_ahead_tasks;
+smr_count_tasks smr_fold_find_tasks;
 smr_run_task smr_fold_find;
 void smr_fold_find_end(smr_folds *f); /* starts repair, limit or open where folds were found */
 

@@ -12,8 +12,6 @@
 #define SMR_MATCH_CHUNK 32u     /* number of vertices in a task whose vertices take much time */
 #define SMR_TRIANGLE_CHUNK 256u /* number of triangles in a task */
 
-#define SMR_REPAIR_MAX 30u /* largest number of iterations of fold repair before a radius starts */
-
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 
@@ -55,7 +53,7 @@ typedef struct smr_schedule {
     uint32_t since_plastic;    /* number of complete iterations since x^r last changed */
     uint32_t plastic_updates;  /* number of times since the start that x^r was set to x */
     uint32_t converged, done;  /* 1: the schedule has ended at rest; 1: the schedule has ended */
-    uint32_t repairing;        /* number of the current iteration of fold repair, from 1; 0: none is due */
+    uint32_t repairing;        /* 1: the current iteration repairs folds, before a radius */
     uint32_t n_set;            /* number of times that targets were set */
     uint32_t serial_of_forces; /* n_set when the last forces were complete */
     uint32_t serial;           /* n_set of the targets that x follows; 0: x is the start */

@@ -75,10 +75,10 @@ void smr_schedule_next(smr *s)
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration);
     const int plastic = smr_plastic_due(s, &e, s->schedule.since_plastic);
     const uint32_t repairs = s->schedule.repairing;
-    if (repairs > 0u) {
-        s->schedule.repairing = s->folds.n_folding > 0u && repairs < SMR_REPAIR_MAX ? repairs + 1u : 0u;
-        s->schedule.radius_iteration = 0; /* iterations of fold repair do not count */
-    }
+    if (repairs > 0u)
+        s->schedule.repairing = s->schedule.radius_iteration = 0; /* an iteration of fold repair does not count */
+    if (repairs > 0u && s->folds.n_guarded > 0u)                  /* nor does it give momentum */
+        memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
     if (plastic)
         smr_plastic_update(s);
     if (e.done) {

@@ -132,33 +132,6 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
     smr_place_reset(s);
 }
 
-/* After the first search of an iteration of repair: where that has found folds, the repair goes without forces, unless
- * forces must measure a new target, follow from those before (visibility, images, rejection) or call the caller. */
-static void ahead_end(smr *s)
-{
-    const smr_forces *f = &s->forces;
-    const uint32_t needed = f->unmeasured | f->surface.partial | f->surface.n_clouds | f->landmarks.n |
-                            (uint32_t)(s->shared.config.forces.reject_deviations > 0.0f) |
-                            (s->shared.parts & (SMR_PART_CALLER | SMR_PART_IMAGE));
-    find_end(s);
-    s->folds.alone = s->folds.repair.pass.stage > 0u && needed == 0u;
-}
-
-static uint32_t skip_tasks(const void *arg)
-{
-    const smr *s = arg;
-    return s->folds.alone ? s->shared.n_tasks : 0u;
-}
-
-static void skip_forces(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    smr *s = arg;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
-        smr_put3(s->shape.x_next, v, smr_get3(s->shape.x, v));
-        s->forces.surface.other[v] = 0; /* x moves without a search */
-    }
-}
-
 /* Rows of steps, whose tasks run in any order, or one after the other (SERIAL). cost: thousands of instructions of a
  * task at most on a Cortex-M7; 0: tasks count their work. */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
@@ -176,9 +149,6 @@ static void skip_forces(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
     /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
-    /* iterations of fold repair, before forces: search for folds; where there are some, the repair follows at once */
-    SMR_STEP(PLAIN, FORCES, TASKS, 0, folds, smr_fold_ahead_tasks, smr_fold_find, ahead_end),
-    SMR_STEP(PLAIN, FORCES, TASKS, 4, magic, skip_tasks, skip_forces, evolve_end),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
     SMR_STEP(CALLER, FORCES, TASKS, 30, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
@@ -242,15 +212,6 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
 #define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
 _Static_assert(SMR_STEPS <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
-
-uint32_t smr_last_left_out(const smr *s)
-{
-    uint32_t step = s->step;
-    if (smr_steps[step].run == skip_forces && s->folds.alone)
-        while (smr_steps[step + 1u].run != smr_fold_repair_pass)
-            step++;
-    return step;
-}
 
 /* Returns 1 while the current iteration still reads targets: later steps use copies. */
 int smr_forces_pending(const smr *s)

@@ -57,12 +57,8 @@ static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
     return due && smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
 }
 
-smr_run_task smr_refit_again; /* step: updates triangles after fold steps */
-smr_run_task smr_commit;      /* last step: makes new positions current */
-/* Returns the current step, or the last one that an iteration of repair leaves out behind it: without forces, which do
- * not act then, clusters neither move nor turn. The last iteration of a repair, from whose forces later ones start, has
- * all steps. */
-uint32_t smr_last_left_out(const smr *s);
+smr_run_task smr_refit_again;                /* step: updates triangles after fold steps */
+smr_run_task smr_commit;                     /* last step: makes new positions current */
 int smr_forces_pending(const smr *s);        /* 1: the forces of the current iteration are not yet complete */
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */

@@ -273,7 +273,6 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
         if (status != SMR_OK)
             return status;
         smr_budget_learn(s, n_tasks);
-        s->step = smr_last_left_out(s);
     }
     if (s->step == smr_n_steps) {
         smr_budget_done(s);
