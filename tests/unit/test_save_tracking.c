@@ -204,9 +204,9 @@ TEST(test_refused)
         {7, 3},           {3, 0x40a00000u}, /* gain: 5 */
         {2, 0xbf800000u},                   /* found: -1 */
         {1, 0xbf800000u},                   /* noise: -1 mm */
-        {14, 1},                            /* done: but it tracks */
-        {20, 1000},                         /* iterations at this radius */
-        {21, 0},                            /* radius: coarser, but it does not recover */
+        {15, 1},                            /* done: but it tracks */
+        {21, 1000},                         /* iterations at this radius */
+        {22, 0},                            /* radius: coarser, but it does not recover */
     };
     unsigned char good[4];
     size_t bytes = 0;

@@ -62,7 +62,8 @@ void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results th
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
 {
     const smr_vec step = smr_sub(smr_get3(f->shape->x, v), smr_get3(f->shape->x_next, v));
-    return smr_scale(step, f->schedule->repairing > 0u ? 0.0f : f->schedule->momentum * f->schedule->fade);
+    const int still = f->schedule->repairing > 0u || f->schedule->repaired > 0u;
+    return smr_scale(step, still ? 0.0f : f->schedule->momentum * f->schedule->fade);
 }
 
 /* Returns the displacement from x^r that the match fits, mm: x + f^e - x^r plus momentum; in dynamics `from` - x^r. */

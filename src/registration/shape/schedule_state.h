@@ -54,6 +54,7 @@ typedef struct smr_schedule {
     uint32_t plastic_updates;  /* number of times since the start that x^r was set to x */
     uint32_t converged, done;  /* 1: the schedule has ended at rest; 1: the schedule has ended */
     uint32_t repairing;        /* 1: the current iteration repairs folds, before a radius */
+    uint32_t repaired;         /* 1: the iteration before has repaired folds, which gives no momentum */
     uint32_t n_set;            /* number of times that targets were set */
     uint32_t serial_of_forces; /* n_set when the last forces were complete */
     uint32_t serial;           /* n_set of the targets that x follows; 0: x is the start */

@@ -46,7 +46,7 @@ SMR_SELDOM void smr_place_reset(smr *s)
 SMR_SELDOM void smr_schedule_start(smr *s)
 {
     smr_schedule *p = &s->schedule;
-    p->iteration = p->since_plastic = p->plastic_updates = p->converged = p->done = p->repairing = 0;
+    p->iteration = p->since_plastic = p->plastic_updates = p->converged = p->done = p->repairing = p->repaired = 0;
     p->gain = p->fade = 1.0f;
     s->reference.strained = 0;
     if (SMR_HAS_TRACK)
@@ -77,8 +77,7 @@ void smr_schedule_next(smr *s)
     const uint32_t repairs = s->schedule.repairing;
     if (repairs > 0u)
         s->schedule.repairing = s->schedule.radius_iteration = 0; /* an iteration of fold repair does not count */
-    if (repairs > 0u && s->folds.n_guarded > 0u)                  /* nor does it give momentum */
-        memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
+    s->schedule.repaired = repairs > 0u && s->folds.n_guarded > 0u;
     if (plastic)
         smr_plastic_update(s);
     if (e.done) {
