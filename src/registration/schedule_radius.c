@@ -157,4 +157,5 @@ void smr_radius_go(smr *s, uint32_t radius)
     s->schedule.n_active = smr_radius_active(s);
     s->shape.rest_pose_due = radius == smr_last_radius(&s->shared);
     s->schedule.repairing = (uint32_t)repairs_before(s, radius);
+    s->schedule.repaired = 0;
 }

@@ -147,7 +147,7 @@ TEST(test_repairs)
         before += n_folds(&mesh, x);
         assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
         assert_int_equal(0, s->schedule.repairing); /* it ends, and leaves no momentum and no folds in x^r */
-        assert_int_equal(1, s->schedule.repaired);
+        assert_int_equal(SMR_REPAIRED, s->schedule.repaired);
         assert_memory_equal(s->shape.x, s->shape.x_ref, sizeof x);
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         after += n_folds(&mesh, x);

@@ -45,12 +45,18 @@ void smr_visibility_start(smr_surface_goals *g)
     }
 }
 
+/* Returns 1 in the first iteration of a radius, or in a later one after a repair of folds. */
+static int judges_whole(const smr_schedule *p)
+{
+    return p->repairing == 0u && (p->repaired > 0u ? p->repaired == 1u : p->radius_iteration == 0u);
+}
+
 /* Returns 1 when whole targets are judged like parts: in the first iteration of each radius and the last of all. */
 static int judged_now(const smr_surface_goals *g)
 {
     const smr_schedule *p = g->schedule;
     const uint32_t last = g->shared->config.basic.iterations_last;
-    return p->radius_iteration == 0u || (smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= last);
+    return judges_whole(p) || (smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= last);
 }
 
 int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure)
@@ -213,7 +219,7 @@ void smr_visibility_commit(smr_surface_goals *g)
         g->target[i].n_visible = g->target[i].visible_now;
         g->target[i].n_judged = g->target[i].judged_now;
     }
-    if (g->schedule->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
+    if (!judges_whole(g->schedule) || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
         return;
     g->partial = 0;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {

@@ -52,7 +52,7 @@ static void keep_schedule(smr_arena *a, smr *s)
     smr_keep_words(a, &p->converged, 1, 1);
     smr_keep_words(a, &p->done, 1, 1);
     smr_keep_words(a, &p->repairing, 1, 1);
-    smr_keep_words(a, &p->repaired, 1, 1);
+    smr_keep_words(a, &p->repaired, 1, SMR_REPAIRED);
     smr_keep_words(a, &p->n_active, 1, n);
     smr_keep_words(a, &p->n_active_chosen, 1, n);
     smr_keep_words(a, &p->n_set, 1, UINT32_MAX);

@@ -62,7 +62,7 @@ void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results th
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
 {
     const smr_vec step = smr_sub(smr_get3(f->shape->x, v), smr_get3(f->shape->x_next, v));
-    const int still = f->schedule->repairing > 0u || f->schedule->repaired > 0u;
+    const int still = f->schedule->repairing > 0u || f->schedule->repaired == SMR_REPAIRED; /* a repair gives none */
     return smr_scale(step, still ? 0.0f : f->schedule->momentum * f->schedule->fade);
 }
 

@@ -12,6 +12,9 @@
 #define SMR_MATCH_CHUNK 32u     /* number of vertices in a task whose vertices take much time */
 #define SMR_TRIANGLE_CHUNK 256u /* number of triangles in a task */
 
+/* Iterations from a repair of folds on until the visibility is judged: by then repaired patches lie on the target. */
+#define SMR_REPAIRED 4u
+
 #define SMR_KEPT_MM 2.0e6f   /* largest saved coordinate or distance, mm: above the values of legal inputs */
 #define SMR_KEPT_UNIT 1.001f /* largest saved entry of unit vectors and rotations */
 
@@ -54,7 +57,7 @@ typedef struct smr_schedule {
     uint32_t plastic_updates;  /* number of times since the start that x^r was set to x */
     uint32_t converged, done;  /* 1: the schedule has ended at rest; 1: the schedule has ended */
     uint32_t repairing;        /* 1: the current iteration repairs folds, before a radius */
-    uint32_t repaired;         /* 1: the iteration before has repaired folds, which gives no momentum */
+    uint32_t repaired;         /* SMR_REPAIRED after a repair that moved vertices, one less in each iteration, to 0 */
     uint32_t n_set;            /* number of times that targets were set */
     uint32_t serial_of_forces; /* n_set when the last forces were complete */
     uint32_t serial;           /* n_set of the targets that x follows; 0: x is the start */

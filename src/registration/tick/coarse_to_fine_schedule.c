@@ -77,7 +77,9 @@ void smr_schedule_next(smr *s)
     const uint32_t repairs = s->schedule.repairing;
     if (repairs > 0u)
         s->schedule.repairing = s->schedule.radius_iteration = 0; /* an iteration of fold repair does not count */
-    s->schedule.repaired = repairs > 0u && s->folds.n_guarded > 0u;
+    s->schedule.repaired -= s->schedule.repaired > 0u;
+    if (repairs > 0u && s->folds.n_guarded > 0u)
+        s->schedule.repaired = SMR_REPAIRED;
     if (plastic)
         smr_plastic_update(s);
     if (e.done) {
