@@ -48,7 +48,7 @@ void smr_visibility_start(smr_surface_goals *g)
 /* Returns 1 in the first iteration of a radius, or in a later one after a repair of folds. */
 static int judges_whole(const smr_schedule *p)
 {
-    return p->repairing == 0u && (p->repaired > 0u ? p->repaired == 1u : p->radius_iteration == 0u);
+    return p->repaired > 0u ? p->repaired == 1u : p->radius_iteration == 0u;
 }
 
 /* Returns 1 when whole targets are judged like parts: in the first iteration of each radius and the last of all. */
