@@ -52,7 +52,7 @@ void smr_observed_count(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 }
 
 /* Lists visible vertices, at most as many as there is room for, evenly in stored order, as observations; adds all
- * visible ones to the fit, and all vertices to the box. */
+ * observed ones to the fit, and all vertices to the box. */
 void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_judgement *j = job;

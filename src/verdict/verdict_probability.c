@@ -127,7 +127,7 @@ static void take_bend(const smr_verdict *v, float *m)
 static void take_surface(const smr_verdict *v, float edge_mm, float *m)
 {
     take_bend(v, m);
-    m[LITTLE] = lacking(v->visible_share);
+    m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : lacking(v->visible_share); /* too few points tell nothing */
     m[PART] = v->visible_share < SMR_PART_SHARE ? v->expected_error_mm : 0.0f;
     m[v->visible_share > SMR_WHOLE_SHARE ? UNCOVERED : UNCOVERED_PART] = lacking(v->target_covered);
     if (lacking(v->target_covered) > table[UNCOVERED].limit)

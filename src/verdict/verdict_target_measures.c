@@ -33,11 +33,14 @@ static uint32_t closest(const smr *s, const smr_surface *target, const smr_query
     *hit = (smr_hit){most2, SMR_NONE, {0, 0, 0}};
     for (uint32_t i = 0; i < s->shared.n_structures; i++) {
         const smr_box_tree *f = &s->shape.structure[i].tree;
-        const float before = hit->d2;
+        smr_hit one = *hit;
         if (s->forces.surface.target[i].surface != target || f->n_triangles == 0u)
             continue;
-        smr_tree_closest(f, q, hit);
-        found = hit->d2 < before ? i : found;
+        smr_tree_closest(f, q, &one);
+        if (one.d2 < hit->d2) {
+            *hit = one;
+            found = i;
+        }
     }
     return found;
 }

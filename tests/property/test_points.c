@@ -302,6 +302,15 @@ static float expected_across(uint32_t n)
 
 TEST(test_few_points_leave_more_open)
 {
+    smr_points *cloud = rig_cloud(5);
+    smr_verdict verdict;
+    uint32_t seed = 7;
+    for (uint32_t i = 0; i < 5u; i++) {
+        const point p = rig_cloud_point(&seed, 0, 25.0f, 0.0f);
+        add(cloud, &p);
+    }
+    assert_int_equal(SMR_OK, smr_get_verdict(run_onto(cloud, 5, NULL, 1), 0, &verdict));
+    assert_true(verdict.expected_error_mm < 0.0f && verdict.level != SMR_VERDICT_GOOD);
     const float few = expected_across(40), many = expected_across(1500);
     assert_true(few > 1.5f * many);
 }

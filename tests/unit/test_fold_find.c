@@ -148,6 +148,8 @@ TEST(test_repairs)
         assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
         assert_int_equal(0, s->schedule.repairing); /* it ends, and leaves no momentum and no folds in x^r */
         assert_int_equal(SMR_REPAIRED, s->schedule.repaired);
+        for (uint32_t v = 0; v < s->shared.n; v++)
+            assert_true(smr_length(smr_momentum(&s->forces, v)) == 0.0f);
         assert_memory_equal(s->shape.x, s->shape.x_ref, sizeof x);
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         after += n_folds(&mesh, x);

@@ -68,5 +68,10 @@ TEST(which_targets_are_partial)
         assert_int_equal(s->forces.surface.partial, k > 0u); /* aside, not all of it finds mutual goals */
         assert_true(s->forces.surface.target[0].n_judged == ball.n_vertices);
         assert_true((s->forces.surface.target[0].n_visible > 9u * ball.n_vertices / 10u) == (k != 1u));
+        for (uint32_t left = 0; left <= SMR_REPAIRED && k == 0u; left++) { /* after a repair of folds it waits */
+            s->schedule.radius_iteration = left > 0u ? SMR_REPAIRED - left : 1u;
+            s->schedule.repaired = left;
+            assert_int_equal(left == 1u, smr_visibility_judged(&s->forces.surface, 0));
+        }
     }
 }

@@ -205,6 +205,7 @@ TEST(test_refused)
         {2, 0xbf800000u},                   /* found: -1 */
         {1, 0xbf800000u},                   /* noise: -1 mm */
         {15, 1},                            /* done: but it tracks */
+        {13, 1},                            /* repaired: but it tracks */
         {21, 1000},                         /* iterations at this radius */
         {22, 0},                            /* radius: coarser, but it does not recover */
     };

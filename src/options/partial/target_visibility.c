@@ -45,13 +45,13 @@ void smr_visibility_start(smr_surface_goals *g)
     }
 }
 
-/* Returns 1 in the first iteration of a radius, or in a later one after a repair of folds. */
+/* Returns 1 in the first iteration of a radius; after a repair of folds in a later one instead. */
 static int judges_whole(const smr_schedule *p)
 {
     return p->repaired > 0u ? p->repaired == 1u : p->radius_iteration == 0u;
 }
 
-/* Returns 1 when whole targets are judged like parts: in the first iteration of each radius and the last of all. */
+/* Returns 1 when whole targets are judged like parts: once at each radius and in the last iteration of all. */
 static int judged_now(const smr_surface_goals *g)
 {
     const smr_schedule *p = g->schedule;

@@ -73,6 +73,7 @@ static void keep_schedule(smr_arena *a, smr *s)
         smr_keep_require(a, smr_tracking_legal(s));
     else
         smr_keep_require(a, p->radius_iteration <= most);
+    smr_keep_require(a, p->repaired == 0u || (!p->repairing && !smr_tracks(p) && !c->dynamics.mode));
 }
 
 static void keep_fields(smr_arena *a, smr *s)

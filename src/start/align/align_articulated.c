@@ -49,7 +49,7 @@ static void layout(smr_arena *arena, const smr_surface *model, const smr_surface
 }
 
 /* Stages that others go back or on to. */
-enum { SMR_BENT_DIVIDE = 2, SMR_BENT_FIND = 5, SMR_BENT_MEASURE = 12, SMR_BENT_MOVE = 16, SMR_BENT_END };
+enum { SMR_BENT_DIVIDE = 2, SMR_BENT_FIND = 5, SMR_BENT_MEASURE = 12, SMR_BENT_MOVE = 17, SMR_BENT_END };
 
 static smr_bent *work_of(const void *job) { return ((const bent_job *)job)->w; }
 static uint32_t patch_tasks(const void *job) { return work_of(job)->side[SMR_MODEL].n; }
@@ -235,9 +235,12 @@ static void measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     w->d2[SMR_TARGET][task] = smr_patches_distance2(w, smr_get3(t->surface->xyz, v), smr_get3(t->surface->normal, v));
 }
 
+static uint32_t limit_tasks(const void *job) { return work_of(job)->step == 0u; }
+
 /* Sets the distance at which a place costs 1, from the spread of the model in the start pose. */
-static void set_limit(smr_bent *w)
+static void set_limit(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
+    smr_bent *w = work_of(job);
     const smr_cells *m = &w->side[SMR_MODEL];
     smr_vec sum = smr_v(0, 0, 0);
     float squares = 0.0f, all = 0.0f;
@@ -260,8 +263,6 @@ static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     bent_job *const j = job;
     smr_bent *w = j->w;
     float cost[SMR_SIDES];
-    if (w->step == 0u)
-        set_limit(w);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
         float sum = 0.0f, all = 0.0f;
         for (uint32_t i = 0; i < w->side[side].n; i++) {
@@ -347,6 +348,7 @@ static const smr_stage stages[] = {
     {NULL, end_round, NULL, NULL},
     {join_tasks, join, smr_in_order, NULL},
     {measure_tasks, measure, NULL, NULL},
+    {limit_tasks, set_limit, NULL, NULL},
     {NULL, decide, NULL, NULL},
     {patch_tasks, weigh, NULL, NULL},
     {NULL, seed, NULL, NULL},

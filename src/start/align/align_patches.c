@@ -45,7 +45,7 @@ void smr_patches_link(const smr_bent *w, uint32_t first, uint32_t last)
 /* Adds the neighbours of members first .. last, also of those that join thereby, to the members. */
 static void add_neighbours(const smr_bent *w, smr_patch *p, uint32_t first, uint32_t last)
 {
-    for (uint32_t k = first; k < p->n && k <= last; k++) {
+    for (uint32_t k = first; k < p->n && k <= last && p->n < SMR_BENT_MEMBERS; k++) {
         const smr_patch *q = &w->patch[p->member[k]];
         for (uint32_t l = 0; l < q->n_links; l++)
             add_once(p->member, &p->n, SMR_BENT_MEMBERS, q->link[l]);
