@@ -93,7 +93,7 @@ static void conclude(const smr_judgement *j, uint32_t structure, const smr_evide
     verdict->subjects_ratio = smr_mean_of(e->strange, -1.0f);
     smr_measure_moved(j, structure, e, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
-              smr_mean_of(e->strays, 0.0f));
+              smr_mean_of(e->strays, -1.0f));
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
     if (e->hidden.weight > SMR_HIDDEN_SHARE * e->expected.weight && smr_mean_of(e->hidden, 0.0f) > SMR_HIDDEN_MOST)
         add_doubt(verdict, SMR_REASON_LITTLE_VISIBLE);

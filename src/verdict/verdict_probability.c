@@ -127,7 +127,7 @@ static void take_bend(const smr_verdict *v, float *m)
 static void take_surface(const smr_verdict *v, float edge_mm, float *m)
 {
     take_bend(v, m);
-    m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : lacking(v->visible_share); /* too few points tell nothing */
+    m[LITTLE] = lacking(v->visible_share);
     m[PART] = v->visible_share < SMR_PART_SHARE ? v->expected_error_mm : 0.0f;
     m[v->visible_share > SMR_WHOLE_SHARE ? UNCOVERED : UNCOVERED_PART] = lacking(v->target_covered);
     if (lacking(v->target_covered) > table[UNCOVERED].limit)
@@ -159,6 +159,8 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
         m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : 0.0f; /* 1: too few landmarks */
         m[MARKS] = v->residual_mm;
     }
+    if (strays >= 0.0f && v->expected_error_mm < 0.0f)
+        m[LITTLE] = 1.0f; /* a cloud of too few points */
 }
 
 /* Returns the doubt that measure k gives. met 1: the limits are wider. */

@@ -199,6 +199,8 @@ int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t reached)
     const uint32_t more = smr_max_u32((uint32_t)soon, SMR_LOOK);
     if (s->schedule.n_active_chosen > 0u || reached < fewest(s))
         return 0;
+    if (s->schedule.repairing > 0u && !s->shared.config.basic.budget_exact)
+        return 1; /* ends the searches of a repair, whose forces do not act; later iterations use the results */
     if (s->budget.uncut || reached < s->budget.look)
         return 0;
     s->budget.look = reached + more;
