@@ -123,8 +123,8 @@ uint32_t smr_radius_active(const smr *s)
                        s->schedule.lists.members);
 }
 
-/* Returns 1 when folds are repaired before this radius. Not with an image alone: the clusters of its last
- * radius undo folds, and a repair would undo displacements by forces. */
+/* Returns 1 when folds are repaired before this radius. Not with an image alone: the clusters of its last radius undo
+ * folds, and a repair would undo displacements by forces. */
 static int repairs_before(const smr *s, uint32_t radius)
 {
     return smr_folds_guarded(&s->shared, &s->schedule) && s->shared.n_dihedrals > 0u &&

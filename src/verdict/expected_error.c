@@ -202,7 +202,7 @@ typedef struct parts {
     float across, along;
 } parts;
 
-/* Returns the share of the process' variance across that visible vertices have: between a cloud's points, the more the
+/* Returns the share of the process' variance across that visible vertices between a cloud's points have, the more the
  * fewer points there are, down to as many as are listed. */
 static float between_points(const smr_judgement *j)
 {
@@ -215,10 +215,11 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
 {
     const smr_normal_field *f = &j->field;
     const float least = SMR_ALONG_LEAST * smr_le_float(j->s->shared.model->edge_mm);
-    const int visible = smr_judged_visible(j->s)[v] & SMR_JUDGED_VISIBLE;
+    const uint32_t marks = smr_judged_visible(j->s)[v], visible = marks & SMR_JUDGED_VISIBLE;
     const float between = between_points(j), grown2 = f->image_part ? 0.0f : far2;
     const float near = f->image_part ? SMR_UNSEEN_IMAGE : smr_max(SMR_UNSEEN_NEAR, between);
-    const float across = visible ? between : near + SMR_UNSEEN_ACROSS * grown2;
+    const float open = marks & SMR_JUDGED_POINT ? 0.0f : between; /* a vertex at a point has the noise alone */
+    const float across = visible ? open : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
     return (parts){across * f->size2 * variance.across + f->across2, along * f->size2 * variance.along + least * least};
 }

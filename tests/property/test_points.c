@@ -312,7 +312,7 @@ TEST(test_few_points_leave_more_open)
     assert_int_equal(SMR_OK, smr_get_verdict(run_onto(cloud, 5, NULL, 1), 0, &verdict));
     assert_true(verdict.expected_error_mm < 0.0f && verdict.level != SMR_VERDICT_GOOD);
     const float few = expected_across(40), many = expected_across(1500);
-    assert_true(few > 1.5f * many);
+    assert_true(few > 1.8f * many);
 }
 
 /* The largest distance from a ball's surface, mm: nothing tells how far it turned about its middle. */

@@ -1,6 +1,7 @@
-/* fold_repair.c: repairs folds in an iteration before the last radius but one. A patch around a fold gets the
- * smoothest displacement from the rest shape that fits its surroundings. Some folds remain: larger patches would lose
- * more of what forces found than the folds do, and the last radius opens most of the rest.
+/* fold_repair.c: repairs folds in one iteration before the last radius but one, or before the first radius if that is
+ * the last. A patch around a fold gets the smoothest displacement from the rest shape that fits its surroundings. Some
+ * folds remain: larger patches would lose more of what forces found than the folds do. The last radius opens most of
+ * the rest.
  * Bounds: one pass over the dihedral edges; 2 SMR_REPAIR_RINGS + 2 SMR_REPAIR_SWEEPS + 1 over a structure.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
