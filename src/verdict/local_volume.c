@@ -130,16 +130,8 @@ static void end_records(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t
 static void sum_lists(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     local *l = job;
-    smr_worker *w = &l->shared->worker[0];
-    w->pause.left = SMR_WORK_MOST;
-    w->pause.kept = 0;
-    smr_sums_forest(&l->sums, l->block, 0);
-    if (!w->pause.kept) {
-        smr_worker_start(w);
-        l->block++;
-    }
-    if (l->block < smr_block_tasks(&l->sums))
-        l->job.head.next_stage = l->job.head.stage;
+    if (smr_sums_some(&l->sums, &l->block))
+        smr_job_again(&l->job.head);
 }
 
 static uint32_t boundary_tasks(const void *job) { return smr_boundary_tasks(&((const local *)job)->sums); }

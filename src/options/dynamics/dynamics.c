@@ -8,7 +8,7 @@
  * The fits' weights are m_j = M_j / |zeta_j|. A sweep then is a polynomial of one operator, self-adjoint in the masses
  * M and between 0 and 1. It conserves linear and angular momentum, and for any number of sweeps and any stiffness the
  * step is one of implicit Euler with softer springs, whose energy does not grow.
- * Bounds: a step ends with passes over the vertices in tasks; a start sums over the clusters.
+ * Bounds: a step ends with passes over the vertices in tasks; members and weights are found by smr_init(), in pieces.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
 #include "registration/schedule_radius.h"
@@ -49,19 +49,23 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
     d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
     d->springs = c->dynamics.elastic * d->step_s * d->step_s * d->keeps;
     d->fall = smr_scale(smr_load(c->dynamics.gravity), d->step_s * d->step_s * d->keeps);
-    for (uint32_t v = 0; v < shared->n; v++)
-        d->mass[v] = smr_mass(shared, v);
 }
 
-/* Writes records whose word k is not 0 for vertices of structure first + k, k < SMR_WORDS. */
-static void mark_owners(smr *s, uint32_t first)
+void smr_members_begin(smr *s)
 {
-    uint32_t *const record = s->sums.record;
-    memset(record, 0, SMR_WORDS * (size_t)s->shared.n * sizeof *record);
-    for (uint32_t v = 0; v < s->shared.n; v++) {
-        const uint32_t at = smr_model_owner(s->shared.model, v) - first;
+    s->sums.words = SMR_WORDS;
+    for (uint32_t k = 0; k < s->shared.n_structures; k++)
+        s->shape.dynamics->group[k] = k;
+}
+
+void smr_members_mark(smr *s, uint32_t structure, smr_piece p)
+{
+    uint32_t *const record = s->sums.record + SMR_WORDS * (size_t)p.first;
+    memset(record, 0, SMR_WORDS * (size_t)(p.last - p.first) * sizeof *record);
+    for (uint32_t v = p.first; v < p.last; v++) {
+        const uint32_t at = smr_model_owner(s->shared.model, v) - structure;
         if (at < SMR_WORDS)
-            record[SMR_WORDS * (size_t)v + at] = SMR_BOUNDARY_UNITS;
+            s->sums.record[SMR_WORDS * (size_t)v + at] = SMR_BOUNDARY_UNITS;
     }
 }
 
@@ -73,31 +77,20 @@ static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
         group[k] = group[k] == other ? first : group[k];
 }
 
-/* Counts the members of each vertex' cluster, vertices near the boundary in part, and finds groups of structures
- * that share clusters, directly or through others. A group's number is that of its first structure. */
-static void count_members(smr *s)
+void smr_members_add(smr *s, uint32_t structure, smr_piece p)
 {
     smr_dynamics *d = s->shape.dynamics;
-    const uint32_t n_structures = s->shared.n_structures;
-    memset(d->members, 0, s->shared.n * sizeof *d->members);
-    for (uint32_t k = 0; k < n_structures; k++)
-        d->group[k] = k;
-    for (uint32_t first = 0; first < n_structures; first += SMR_WORDS) {
-        const uint32_t words = smr_min_u32(SMR_WORDS, n_structures - first);
-        mark_owners(s, first);
-        s->sums.words = SMR_WORDS;
-        smr_sums_at_once(&s->sums);
-        for (uint32_t v = 0; v < s->shared.n; v++) {
-            const uint32_t *const sum = s->sums.sum + SMR_WORDS * (size_t)v;
-            for (uint32_t i = 0; i < words; i++) {
-                d->members[v] += smr_unfix(sum[i], 1.0f / (float)SMR_BOUNDARY_UNITS);
-                if (smr_signed(sum[i]) > 0)
-                    join(d->group, n_structures, smr_model_owner(s->shared.model, v), first + i);
-            }
+    const uint32_t n = s->shared.n_structures, words = smr_min_u32(SMR_WORDS, n - structure);
+    for (uint32_t v = p.first; v < p.last; v++) {
+        const uint32_t *const sum = s->sums.sum + SMR_WORDS * (size_t)v;
+        for (uint32_t i = 0; i < words; i++) {
+            d->members[v] += smr_unfix(sum[i], 1.0f / (float)SMR_BOUNDARY_UNITS);
+            if (smr_signed(sum[i]) > 0)
+                join(d->group, n, smr_model_owner(s->shared.model, v), structure + i);
         }
+        if (structure + words == n)
+            d->members[v] = smr_max(d->members[v], 1.0f);
     }
-    for (uint32_t v = 0; v < s->shared.n; v++)
-        d->members[v] = smr_max(d->members[v], 1.0f);
 }
 
 /* Returns the weight, limited to 1 / unit .. most and rounded to a multiple of 1 / unit. */
@@ -106,34 +99,35 @@ static float rounded(float weight, float most, float unit)
     return smr_whole_number(smr_clamp(weight, 1.0f / unit, most) * unit) / unit;
 }
 
-/* Returns the mean of mass / members of vertices that are not pinned, g. Counts pinned vertices in *n_pinned. */
-static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
+void smr_weights_add(smr *s, smr_piece p)
 {
-    float sum = 0.0f;
-    *n_pinned = 0;
-    for (uint32_t v = 0; v < n; v++) {
-        *n_pinned += !(d->mass[v] > 0.0f);
-        sum += d->mass[v] / d->members[v];
+    smr_dynamics *d = s->shape.dynamics;
+    if (p.first == 0u) {
+        d->gram = 0.0f;
+        d->n_pinned = 0;
     }
-    return *n_pinned < n ? sum / (float)(n - *n_pinned) : 1.0f;
+    for (uint32_t v = p.first; v < p.last; v++) {
+        d->n_pinned += !(d->mass[v] > 0.0f);
+        d->gram += d->mass[v] / d->members[v];
+    }
+    if (p.last == s->shared.n)
+        d->gram = d->n_pinned < s->shared.n ? d->gram / (float)(s->shared.n - d->n_pinned) : 1.0f;
 }
 
-/* Computes weights of fits from masses. A pinned vertex outweighs the rest of its cluster, which turns about it. */
-SMR_SELDOM void smr_time_steps_weigh(smr *s)
+SMR_SELDOM void smr_weights_set(smr *s, smr_piece p)
 {
     smr_dynamics *d = s->shape.dynamics;
     smr_shared *c = &s->shared;
-    uint32_t n_pinned;
     float unit = SMR_WEIGHT_UNIT;
-    const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
+    const float largest = (float)s->schedule.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest); /* pinned vertices in a cluster */
+    const uint32_t together = smr_min_u32(d->n_pinned, s->schedule.lists.largest); /* pinned vertices in a cluster */
     const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
-    d->gram = mean;
-    c->mass_max = c->mass_sum = 0.0f;
-    for (uint32_t v = 0; v < c->n; v++) {
-        d->weight[v] = d->mass[v] > 0.0f ? rounded(d->mass[v] / d->members[v] / mean, SMR_WEIGHT_MOST, unit)
+    if (p.first == 0u)
+        c->mass_max = c->mass_sum = 0.0f;
+    for (uint32_t v = p.first; v < p.last; v++) {
+        d->weight[v] = d->mass[v] > 0.0f ? rounded(d->mass[v] / d->members[v] / d->gram, SMR_WEIGHT_MOST, unit)
                                          : rounded(smr_max(pinned, 1.0f), SMR_PINNED_MOST, unit);
         c->mass_max = smr_max(c->mass_max, d->weight[v]);
         c->mass_sum += d->weight[v];
@@ -143,23 +137,27 @@ SMR_SELDOM void smr_time_steps_weigh(smr *s)
     s->reference.stale = 1;
 }
 
+void smr_time_steps_copy(smr *s, smr_piece p)
+{
+    const size_t first = 3u * (size_t)p.first, bytes = 3u * (size_t)(p.last - p.first) * sizeof(float);
+    const float *const x = s->shape.x + first;
+    memcpy(s->shape.x_ref + first, x, bytes);
+    memcpy(s->shape.track_rest_x + first, x, bytes);
+    memcpy(s->shape.dynamics->begin + first, x, bytes);
+    memset(s->shape.dynamics->velocity + first, 0, bytes);
+}
+
 void smr_time_steps_start(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
-    const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
     smr_radius_go(s, smr_radius_after(s));
     s->shape.rest_pose_due = 0;
-    smr_plastic_positions(&s->shape);
-    smr_track_rest_start(&s->shape);
+    smr_track_rest_poses(&s->shape);
     s->shape.track_rest->to = smr_dynamics_ahead;
-    memcpy(d->begin, s->shape.x, bytes);
-    memset(d->velocity, 0, bytes);
     memset(&d->stored, 0, sizeof d->stored);
     memset(d->bent, 0, s->shared.n_structures * sizeof *d->bent);
     memset(d->spare, 0, s->shared.n_structures * sizeof *d->spare);
     d->weighed = 0;
-    count_members(s);
-    smr_time_steps_weigh(s);
 }
 
 void smr_time_steps_begin(smr *s)

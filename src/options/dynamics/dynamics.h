@@ -44,12 +44,13 @@ typedef struct smr_step_sums {
 } smr_step_sums;
 
 typedef struct smr_dynamics {
-    float step_s;  /* h: length of a time step, s */
-    float keeps;   /* 1 / (1 + h c): factor by which the damping c scales velocities in a time step */
-    float springs; /* keeps * k h^2: elastic stiffness k, damped / inertial stiffness 1 / h^2 */
-    smr_vec fall;  /* keeps * h^2 g: displacement by the gravity g in a time step, mm */
-    uint32_t ends; /* 1: the current iteration ends a time step */
-    float gram;    /* grams in a unit of weight: mass of a vertex = weight * members * gram */
+    float step_s;      /* h: length of a time step, s */
+    float keeps;       /* 1 / (1 + h c): factor by which the damping c scales velocities in a time step */
+    float springs;     /* keeps * k h^2: elastic stiffness k, damped / inertial stiffness 1 / h^2 */
+    smr_vec fall;      /* keeps * h^2 g: displacement by the gravity g in a time step, mm */
+    uint32_t ends;     /* 1: the current iteration ends a time step */
+    float gram;        /* grams in a unit of weight: mass of a vertex = weight * members * gram */
+    uint32_t n_pinned; /* number of pinned vertices */
     smr_stored_energy stored;
     uint32_t weighed;    /* 1: the caller has set masses since the last complete time step */
     uint32_t *group;     /* [n_structures] first structure of each structure's group, which shares clusters */
@@ -65,7 +66,7 @@ typedef struct smr_dynamics {
 } smr_dynamics;
 
 void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared);
-void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared); /* takes settings and the model's masses */
+void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared); /* takes settings */
 
 /* Returns the vector a with each coordinate limited to -most .. most. */
 static inline smr_vec smr_clamped(smr_vec a, float most)
@@ -110,10 +111,10 @@ static inline int smr_moves(const smr *s) { return SMR_HAS_DYNAMICS && s->shape.
 
 /* ---- time steps, of SMR_SWEEPS iterations each ---- */
 
-void smr_time_steps_start(smr *s); /* starts time steps at velocity 0; present positions become the rest shape */
+void smr_time_steps_start(smr *s);             /* starts time steps at velocity 0, after smr_time_steps_copy() */
+void smr_time_steps_copy(smr *s, smr_piece p); /* a piece of the present positions becomes the rest shape */
 void smr_time_steps_begin(smr *s); /* before an iteration: sets `ends`, 1 when the iteration ends a time step */
 void smr_time_steps_next(smr *s);  /* after each iteration: moves the rest shape; sets velocities when a step ends */
-void smr_time_steps_weigh(smr *s); /* after new masses: computes each vertex' weight in fits */
 
 /* Returns the mass of vertex v that v's rounded weight in fits stands for, g. 0: the vertex is pinned. */
 static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
@@ -124,6 +125,18 @@ static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
 /* Steps of an iteration: set positions at which a sweep starts, before forces; move x_next to the sweep's result. */
 smr_count_tasks smr_sweep_tasks;
 smr_run_task smr_sweep_begin, smr_sweep_end;
+
+/* Number of members of each vertex' cluster, vertices near the boundary in part, and groups of structures that share
+ * clusters, directly or through others, named by their first structure: sums over clusters of records whose word k is
+ * not 0 for vertices of structure + k, k < SMR_WORDS; in turn for each SMR_WORDS structures. */
+void smr_members_begin(smr *s);
+void smr_members_mark(smr *s, uint32_t structure, smr_piece p); /* writes records */
+void smr_members_add(smr *s, uint32_t structure, smr_piece p);  /* takes sums */
+
+/* Weights of fits, from masses and members; pieces in order, the first behind the last of the other. A pinned vertex
+ * outweighs the rest of its cluster, which turns about it. */
+void smr_weights_add(smr *s, smr_piece p); /* finds the mean of mass / members, and the number of pinned vertices */
+void smr_weights_set(smr *s, smr_piece p);
 
 /* Step of iterations that end a time step: sums momenta and energies. Tasks run one after the other. */
 smr_count_tasks smr_step_energy_tasks;

@@ -186,6 +186,8 @@ static void find_masses(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_piece p = smr_piece_of(task, SMR_START_PIECE, c->n);
     for (uint32_t v = p.first; v < p.last; v++) {
         const float m = smr_mass(c, v);
+        if (smr_moves(begun(job)))
+            begun(job)->shape.dynamics->mass[v] = m;
         c->mass_max = smr_max(c->mass_max, m);
         if (m != (float)(uint32_t)m)
             c->mass_unit = SMR_MASS_UNITS;
@@ -295,13 +297,23 @@ static void go_behind(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
     smr_job_go(job, stages_behind, sizeof stages_behind / sizeof stages_behind[0]);
 }
 
+static void go_masses(void *job, uint32_t task, uint32_t worker)
+{
+    smr_starting *j = job;
+    j->then = go_behind;
+    if (smr_moves(j->job.s))
+        smr_start_masses_go(j);
+    else
+        go_behind(j, task, worker);
+}
+
 /* Sets the start positions: the rest shape. */
 static void go_start(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
     static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr_starting *j = job;
     j->pose = identity;
-    j->then = go_behind;
+    j->then = go_masses;
     j->wrong = SMR_E_CONFIG;
     smr_start_go(j);
 }

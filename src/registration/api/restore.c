@@ -177,8 +177,6 @@ static void finish_restore(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint3
 {
     const restoring *j = job;
     smr *s = made(job);
-    if (smr_moves(s))
-        smr_time_steps_weigh(s);
     s->reference.missing = 1;
     smr_guard_close(s);
     *j->out = s;
@@ -194,6 +192,8 @@ static const smr_stage stages_behind[] = {
     {smr_start_in_parts, smr_start_find_parts, NULL, NULL}, /* likewise */
     {rest_tasks, find_rest_box, smr_in_order, NULL},
     {smr_start_fits, smr_start_scale_fit, smr_in_order, NULL},
+    {smr_start_weights, smr_start_add_weights, smr_in_order, NULL},
+    {smr_start_weights, smr_start_set_weights, smr_in_order, NULL},
     {NULL, finish_restore, NULL, NULL},
 };
 

@@ -263,6 +263,14 @@ void smr_start_refit_uppers(void *job, uint32_t task, uint32_t worker)
     smr_uppers_refit(&of(job)->shape, task, worker);
 }
 
+static uint32_t motion_tasks(const void *job) { return smr_moves(in(job)) ? smr_start_vertices(job) : 0u; }
+
+static void copy_motion(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    if (SMR_HAS_DYNAMICS)
+        smr_time_steps_copy(of(job), piece_of(of(job), task));
+}
+
 static uint32_t normal_tasks(const void *job) { return smr_triangle_tasks(&in(job)->shared); }
 
 static void add_normals(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -306,6 +314,7 @@ static const smr_stage stages[] = {
     {refit_tasks, fit_rest, smr_in_order, NULL},
     {blend_tasks, blend_start, smr_in_order, NULL},
     {smr_start_vertices, smr_start_box, smr_in_order, NULL},
+    {motion_tasks, copy_motion, smr_in_order, NULL},
     {smr_start_fits, smr_start_scale_fit, smr_in_order, NULL},
     {volume_tasks, find_volumes, NULL, NULL}, /* likewise */
     {smr_start_leaves, smr_start_refit_leaves, smr_in_order, NULL},

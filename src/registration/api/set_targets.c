@@ -253,6 +253,8 @@ SMR_SELDOM smr_status smr_set_volume(smr *s, const smr_volume *volume)
         smr_restart_forces(s, SMR_CHANGED_IMAGE);
     else
         smr_schedule_start(s);
+    if (smr_moves(s))
+        smr_time_steps_copy(s, (smr_piece){0, s->shared.n});
     smr_changed(s, SMR_LOG_VOLUME, 0, volume, 0);
     return SMR_OK;
 }

@@ -49,6 +49,13 @@ void smr_start_add_to_box(smr_starting *j, uint32_t task, float *xyz);
 smr_count_tasks smr_start_vertices, smr_start_in_parts, smr_start_fits, smr_start_leaves, smr_start_uppers;
 smr_run_task smr_start_box, smr_start_find_parts, smr_start_scale_fit, smr_start_refit_leaves, smr_start_refit_uppers;
 
+/* Stages of start_masses.c, with dynamics: weights of fits, in pieces of the vertices. */
+smr_count_tasks smr_start_weights;
+smr_run_task smr_start_add_weights, smr_start_set_weights;
+
+/* Goes on with the stages of start_masses.c: members and weights; `then` comes behind them. */
+void smr_start_masses_go(smr_starting *j);
+
 /* Begins smr_init() in *j. Errors: as smr_init(). */
 smr_status smr_init_check(smr_initing *j, const smr_model *model, const smr_config *config, const smr_port *port,
                           void *arena, size_t bytes, smr **out);

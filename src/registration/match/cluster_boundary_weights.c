@@ -50,11 +50,3 @@ void smr_boundary_reference(void *arg, uint32_t task, SMR_UNUSED uint32_t worker
 {
     add_pairs(((smr_reference *)arg)->sums, arg, task);
 }
-
-void smr_sums_at_once(smr_sums *s)
-{
-    for (uint32_t t = 0; t < smr_block_tasks(s); t++)
-        smr_sums_forest(s, t, 0);
-    for (uint32_t t = 0; t < smr_boundary_tasks(s); t++)
-        smr_boundary_sums(s, t, 0);
-}

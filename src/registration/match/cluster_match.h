@@ -55,7 +55,8 @@ typedef struct smr_match {
 /* Sets number of words and scales of the next sums. largest0, largest1: bounds on a vertex' two kinds of values. */
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
 uint32_t smr_method_words(const smr_shared *c); /* returns the number of words of a displacement's record */
-void smr_sums_at_once(smr_sums *s);             /* sums vertices' records for each cluster, between iterations */
+/* Between iterations: sums a part of the lists of *block, and goes on to the next one. Returns 1 while work is left. */
+int smr_sums_some(smr_sums *s, uint32_t *block);
 
 /* Steps on smr_sums. smr_sums_record writes displacements as records. smr_sums_forest sums records over clusters; each
  * task is a block of the order L. smr_boundary_sums adds fractional weights, one task after the other. */

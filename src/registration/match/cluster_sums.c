@@ -210,3 +210,16 @@ void smr_sums_forest(void *arg, uint32_t block, uint32_t worker)
         }
     }
 }
+
+int smr_sums_some(smr_sums *s, uint32_t *block)
+{
+    smr_worker *w = &s->shared->worker[0];
+    w->pause.left = SMR_WORK_MOST;
+    w->pause.kept = 0;
+    smr_sums_forest(s, *block, 0);
+    if (!w->pause.kept) {
+        smr_worker_start(w);
+        ++*block;
+    }
+    return *block < smr_block_tasks(s);
+}

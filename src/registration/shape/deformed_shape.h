@@ -89,7 +89,8 @@ void smr_rest_pose_end(smr_shape *shape);
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_track_rest_wire(smr_shape *shape);   /* counts the summation's tasks in n_tasks */
 void smr_track_rest_derive(smr_shape *shape); /* computes the box around track_rest_x */
-void smr_track_rest_start(smr_shape *shape);  /* copies x to track_rest_x, tracking's rest shape */
+void smr_track_rest_poses(smr_shape *shape);  /* sets the poses of the rest shape to none */
+void smr_track_rest_start(smr_shape *shape);  /* the same, and copies x to track_rest_x, tracking's rest shape */
 smr_count_tasks smr_track_rest_sum_tasks;
 smr_run_task smr_track_rest_sum; /* adds a chunk of vertices to the fits of poses; one task after the other */
 void smr_track_rest_sum_end(smr_shape *shape);

@@ -46,7 +46,7 @@ void smr_track_rest_derive(smr_shape *shape)
         shape->track_rest->box = smr_box_of(shape->track_rest_x, shape->shared->n);
 }
 
-void smr_track_rest_start(smr_shape *shape)
+void smr_track_rest_poses(smr_shape *shape)
 {
     static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
@@ -55,8 +55,13 @@ void smr_track_rest_start(smr_shape *shape)
             shape->track_pose_last[i] = identity;
     }
     shape->track_rest->predicted = 0;
-    memcpy(shape->track_rest_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
     shape->track_rest->rest_pose = shape->rest_pose;
+}
+
+void smr_track_rest_start(smr_shape *shape)
+{
+    smr_track_rest_poses(shape);
+    memcpy(shape->track_rest_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
     smr_track_rest_derive(shape);
 }
 
