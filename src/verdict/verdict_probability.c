@@ -66,7 +66,7 @@ static const struct {
     [SIZE] = {SMR_REASON_SCALE, 1.2f, 1.25f, 4.0f, 1.7f},                /* limits of size factor since start, >= 1 */
     [SIZE_PART] = {SMR_REASON_SCALE, 1.04f, 1.06f, 2.0f, 1.0f},          /* limits of size factor, partial target */
     [STRAIN] = {SMR_REASON_STRAIN, 0.8f, 1.0f, 8.0f, 1.0f},              /* limits of strain / largest plausible one */
-    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.0f},         /* limits of rms stretch of parts */
+    [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.15f},        /* limits of rms stretch of parts */
     [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* limits of volume factor from rest, >= 1 */
     [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 40.0f, 1.15f},      /* limits of a part's rotation, degrees */
     [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* limits of bend, mm */
