@@ -1,7 +1,7 @@
 /* start_masses.c: stages of smr_init() with dynamics: counts the members of clusters, and finds weights of fits.
  * Bounds: a pass over the lists of the radius of time steps, for each SMR_WORDS structures; four over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/tick/iteration_steps.h"
+#include "options/dynamics/dynamics.h"
 #include "registration/api/start.h"
 
 static smr *of(const void *job) { return ((const smr_starting *)job)->job.s; }
