@@ -158,8 +158,9 @@ static uint64_t ask_within(void *ctx)
 /* From the first position written to the end only this job, or a new pose, goes on. */
 TEST(kept_out)
 {
-    scene e = start(0);
+    scene e = start(3);
     smr *s = init_by(&e, 0);
+    smr_energy energy;
     float *const before = rig_alloc(12u * (size_t)e.source.n_vertices), *const xyz = rig_alloc(
                                                                             12u * (size_t)e.source.n_vertices);
     smr_job other;
@@ -181,6 +182,7 @@ TEST(kept_out)
         assert_int_equal(SMR_E_STATE, smr_set_surface(s, 0, e.target));
         assert_int_equal(SMR_E_STATE, smr_set_positions(s, 0, e.moved));
         assert_int_equal(SMR_E_STATE, smr_verdict_begin(s, 0, (smr_verdict *)(void *)xyz, &other));
+        assert_int_equal(SMR_E_STATE, smr_get_energy(s, &energy));
         assert_true(smr_state_hash(s) == 0u);
         assert_int_equal(SMR_PARTIAL, smr_job_step(&e.job, 1, NULL, 0));
     }

@@ -9,7 +9,7 @@ static smr_status check(const smr *s, const void *what)
         return SMR_E_NULL;
     if (!SMR_HAS_DYNAMICS)
         return SMR_E_CONFIG;
-    SMR_TRY(smr_sound(s));
+    SMR_TRY(smr_readable(s, 0, what));
     return s->shape.dynamics == NULL ? SMR_E_ARENA : SMR_OK;
 }
 
