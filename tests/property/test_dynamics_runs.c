@@ -153,6 +153,37 @@ TEST(test_budget_and_replay)
     assert_int_equal(SMR_E_LOG, smr_replay_tick(&replay, &report));
 }
 
+/* Forces of an iteration that masses or velocities abandon leave nothing: neither what of the model the target shows,
+ * nor a limit of displacements. A replay does not know that there were any. */
+TEST(test_abandoned_forces)
+{
+    static unsigned char log[SMR_LOG_BYTES(400, 4)];
+    const float beside[3] = {0, 0, 30};
+    const smr_mesh part = rig_ball(9, 9, 14, beside);
+    for (uint32_t kind = 0; kind < 4u; kind++) {
+        rig_clock clock;
+        const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+        smr_tick_report r = {0};
+        e.surface = rig_surface(&part);
+        e.config.forces.reject_deviations = (kind & 1u) != 0u ? 0.5f : 0.0f;
+        e.which = 1; /* velocities */
+        smr *s = rig_init(e.model, &e.config, &port);
+        assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, e.surface));
+        for (uint32_t i = 0; i < (kind & 2u); i++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        do
+            assert_int_equal(SMR_PARTIAL, smr_tick(s, 3000, &r));
+        while (r.details.phase == SMR_PHASE_FORCES);
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+        for (uint32_t i = 0; i < 12u; i++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        smr *twin = rig_init(e.model, &e.config, NULL);
+        assert_true(rig_replays(s, log, input, NULL, twin, NULL) > 12u);
+        same(s, twin);
+    }
+}
+
 TEST(test_saves)
 {
     static unsigned char saved[ROOM];

@@ -148,8 +148,8 @@ TEST(test_outliers)
     c.forces.reject_deviations = 2.0f;
     const setting t = start(&c, &goal);
     search(t.s);
-    assert_int_equal(0, t.s->forces.totals.n_rejected); /* nothing is known yet */
-    const float limit = t.s->forces.surface.limit;
+    assert_int_equal(0, t.s->forces.totals.n_rejected);                             /* nothing is known yet */
+    const float limit = t.s->forces.surface.limit = t.s->forces.surface.limit_next; /* as of a complete iteration */
     assert_true(limit > t.s->forces.totals.goal_mean && limit < t.s->forces.totals.max);
     search(t.s);
     assert_true(t.s->forces.totals.n_rejected > 0u && t.s->forces.totals.n_rejected < t.s->shared.n / 4u);

@@ -45,6 +45,8 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
     }
     d->weighed |= other && s->schedule.iteration > 0u; /* new masses: stored energies are outdated, if there are any */
     smr_abandon_iteration(s);
+    if (s->schedule.iteration == 0u && smr_visibility_on(&s->forces.surface))
+        smr_visibility_start(&s->forces.surface); /* the abandoned iteration may have judged it */
     smr_weights_add(s, (smr_piece){0, s->shared.n});
     smr_weights_set(s, (smr_piece){0, s->shared.n});
     smr_changed(s, SMR_LOG_MOTION, structure, &motion, one->n_vertices);

@@ -67,7 +67,7 @@ static void forget_searches(smr_surface_goals *g, uint32_t structure)
             g->warm[v] = SMR_NONE;
     smr_target_warm_clear(g);
     smr_pulls_clear(g);
-    g->limit = 0.0f;
+    g->limit = g->limit_next = 0.0f;
 }
 
 void smr_take_goals(smr_surface_goals *g)

@@ -305,7 +305,7 @@ SMR_SELDOM void smr_forces_end(smr_forces *f)
     all.mean = sum / measured;
     all.rms = SMR_SQRT(sum2 / measured);
     f->totals = all;
-    f->surface.limit = smr_reject_limit(&f->shared->config, all.n_forces, all.goal_mean, goal_sum2 / n);
+    f->surface.limit_next = smr_reject_limit(&f->shared->config, all.n_forces, all.goal_mean, goal_sum2 / n);
     note_matched(f);
     memcpy(f->found_last, f->found, f->shared->n); /* only now, since a new target could have restarted the forces */
     smr_sources_commit(f);

@@ -93,6 +93,7 @@ typedef struct smr_surface_goals {
     uint8_t *visibility_next; /* [n] 0 .. SMR_VISIBLE_ONE: visibility of each vertex in the current forces */
     uint32_t partial;         /* 1: some target is partial */
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
+    float limit_next;         /* mm: limit by the current forces, which counts once the iteration is complete */
 } smr_surface_goals;
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);

@@ -52,7 +52,7 @@ SMR_SELDOM void smr_schedule_start(smr *s)
     if (SMR_HAS_TRACK)
         smr_tracking_end(s);
     smr_place_reset(s);
-    s->forces.surface.limit = 0.0f;
+    s->forces.surface.limit = s->forces.surface.limit_next = 0.0f;
     if (smr_visibility_on(&s->forces.surface))
         smr_visibility_start(&s->forces.surface);
     begin_targets(&s->forces.surface);

@@ -96,6 +96,7 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
     shape->x = shape->x_next;
     shape->x_next = before;
     smr_certainties_age(&s->forces.surface, s->evolve.most2);
+    s->forces.surface.limit = s->forces.surface.limit_next;
     if (smr_tracks(&s->schedule))
         smr_track_rest_commit(shape);
     if (smr_volumes_used(&s->volumes))
