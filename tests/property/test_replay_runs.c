@@ -166,6 +166,33 @@ static void replay(run *r, smr *twin, uint32_t number)
     assert_true(smr_state_hash(twin) == smr_state_hash(r->s));
 }
 
+/* A new image abandons an iteration that has fitted the rest pose, which smoothing takes the heights at rest from. */
+TEST(test_abandoned_rest_pose)
+{
+    static unsigned char log[SMR_LOG_BYTES(400, 4)];
+    smr_config config = smr_config_default_image();
+    config.basic.iterations = 1;
+    config.contact.smooth = 0.3f;
+    for (uint32_t n = 0; n < 6u; n++) {
+        rig_clock clock;
+        const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+        inputs all = {{&world.volume[0], &world.volume[1]}, 2, 0};
+        smr_tick_report report = {0};
+        smr *s = rig_init(world.of.model[1], &config, &port);
+        assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+        assert_int_equal(SMR_OK, smr_set_volume(s, &world.volume[0]));
+        for (uint32_t i = 0; i < n; i++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        do
+            assert_int_equal(SMR_PARTIAL, smr_tick(s, 3000, &report));
+        while (report.details.phase < SMR_PHASE_MATCH);
+        assert_int_equal(SMR_OK, smr_set_volume(s, &world.volume[1]));
+        for (uint32_t i = 0; i < 2u; i++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_true(rig_replays(s, log, next_input, &all, rig_init(world.of.model[1], &config, NULL), NULL) > n);
+    }
+}
+
 TEST(test_replays)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];

@@ -49,12 +49,13 @@ typedef struct smr_shape {
     smr_shape_structure *structure; /* [n_structures] structures of the model */
     uint8_t *on_surface;            /* [n] 1: the vertex has a triangle; 0: only clusters move the vertex */
     float *triangle_normal;         /* [n_triangles][3] unit normals of the triangles */
-    smr_node *node;         /* [n_nodes] box trees of all structures in turn; NULL: neither attraction nor contact */
-    uint32_t n_nodes;       /* number of nodes of all box trees */
-    uint32_t *own_triangle; /* [n_triangles][3] stored vertices in host order, on big-endian hosts only */
-    smr_pose rest_pose;     /* similarity from the rest shape onto x */
-    smr_fit fit;            /* sums of the fit of rest_pose so far */
-    uint32_t rest_pose_due; /* 1: rest_pose must be fitted to x */
+    smr_node *node;            /* [n_nodes] box trees of all structures in turn; NULL: neither attraction nor contact */
+    uint32_t n_nodes;          /* number of nodes of all box trees */
+    uint32_t *own_triangle;    /* [n_triangles][3] stored vertices in host order, on big-endian hosts only */
+    smr_pose rest_pose;        /* similarity from the rest shape onto x */
+    smr_pose rest_pose_before; /* rest_pose when the current iteration began */
+    smr_fit fit;               /* sums of the fit of rest_pose so far */
+    uint32_t rest_pose_due;    /* 1: rest_pose must be fitted to x */
     smr_track_rest *track_rest; /* state of tracking's rest shape; NULL: neither tracking nor dynamics */
     float *track_rest_x;        /* [n][3] tracking's rest shape: the result of the schedule, mm */
     float *image_x;             /* [n][3] x when the tracked image became outdated, mm; NULL: images are not tracked */

@@ -127,6 +127,7 @@ static void choose_distances(smr *s)
 void smr_schedule_begin(smr *s)
 {
     const int tracks = smr_tracks(&s->schedule);
+    s->shape.rest_pose_before = s->shape.rest_pose;
     if (tracks)
         smr_tracking_begin(s);
     if (smr_moves(s))
