@@ -5,6 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 
+#include <fenv.h>
 #include <math.h>
 #include <string.h>
 
@@ -62,8 +63,10 @@ static uint32_t found(const smr_mesh *model, const smr_mesh *target, const smr_p
     assert_int_equal(SMR_OK, smr_articulated_bytes(a, b, &bytes));
     assert_int_equal(SMR_OK, smr_articulated_begin(a, b, start, port, rig_rough(bytes), bytes, xyz, &is_bent, &job));
     smr_status status = SMR_PARTIAL;
+    (void)feclearexcept(FE_ALL_EXCEPT);
     while (status == SMR_PARTIAL)
         status = smr_job_step(&job, units, NULL, 0);
+    assert_int_equal(0, fetestexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW)); /* neither infinity nor NaN */
     assert_int_equal(SMR_OK, status);
     return is_bent;
 }
@@ -148,6 +151,19 @@ TEST(test_leaves_alone)
             assert_true(at[k] == 0.0f);
     }
     rig_free_all();
+}
+
+/* Without area, or a twentieth of a millimetre in size: nothing is found, and nothing is divided by 0. */
+TEST(test_hardly_surfaces)
+{
+    static const float line[] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0};
+    static const uint32_t along[] = {0, 1, 2, 1, 2, 3};
+    const smr_mesh rest = limb(), flat = {line, along, 4, 2}, target = bent(&rest, 50);
+    const smr_pose tiny = {{{0.0011f, 0, 0, 0}, {0, 0.0011f, 0, 0}, {0, 0, 0.0011f, 0}}};
+    float *at = rig_alloc(12u * (size_t)rest.n_vertices);
+    assert_int_equal(0, found(&rest, &flat, &here, 0, NULL, at));
+    assert_int_equal(0, found(&flat, &rest, &here, 0, NULL, at));
+    assert_int_equal(0, found(&rest, &target, &tiny, 0, NULL, at));
 }
 
 TEST(test_articulated_refusals)
