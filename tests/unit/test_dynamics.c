@@ -226,3 +226,21 @@ TEST(test_drawn)
     rig_steps(s, 60);
     assert_true(rig_far(rig_positions(s, e.model), goal, e.n) < 0.05f);
 }
+
+/* More structures than a record has words: members as in the clusters of an iteration; far structures are groups. */
+TEST(test_many_structures)
+{
+    smr_mesh ball[35];
+    const smr_prepare_config radii = rig_radii(2, 40, 12, 0);
+    for (uint32_t i = 0; i < 35u; i++) { /* in pairs whose clusters overlap; each pair far from the next one */
+        const float centre[3] = {100.0f * (float)(i / 2u), 9.0f * (float)(i % 2u), 0};
+        ball[i] = rig_ball(4, 3, 4 + i % 3u, centre);
+    }
+    smr *s = rig_init(rig_model(ball, 35, &radii), &e.config, NULL);
+    const smr_dynamics *d = s->shape.dynamics;
+    for (uint32_t i = 0; i < 35u; i++)
+        assert_int_equal(i - i % 2u, d->group[i]);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        assert_true(d->members[v] > 1.0f && fabsf(d->members[v] * s->reference.share[v] - 1.0f) < 1.0e-5f);
+}
