@@ -33,7 +33,6 @@ typedef struct smr_initing {
     smr_starting start;
     smr_run_task *then; /* goes on behind smr_init(); NULL: the job ends */
     const smr_model *model;
-    const smr_port *port;
     smr_config config;
     smr_port own; /* the caller's port, copied */
     void *arena;
