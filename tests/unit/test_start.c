@@ -64,6 +64,26 @@ TEST(test_starts_over)
     assert_true(hash == smr_state_hash(s));
 }
 
+/* Nor does the scale of residuals stay that tracking has. */
+TEST(test_starts_over_from_tracking)
+{
+    const float off[3] = {3, 2, 1};
+    const smr_mesh mesh = rig_ball(20, 11, 15, none), goal = rig_ball(24, 11, 15, off);
+    const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr_config config = smr_config_default();
+    config.basic.n_target_vertices = goal.n_vertices;
+    config.track.mode = SMR_TRACK_REPORT;
+    smr *s = rig_init(rig_model(&mesh, 1, NULL), &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    (void)rig_run(s, 10);
+    const uint64_t hash = smr_state_hash(s);
+    (void)rig_run(s, 1000);
+    assert_int_equal(1, s->schedule.tracking);
+    assert_int_equal(SMR_OK, smr_set_pose(s, &same));
+    (void)rig_run(s, 10);
+    assert_true(hash == smr_state_hash(s));
+}
+
 /* A pose or positions that bring any vertex beyond SMR_COORD_MAX, or are no numbers, change nothing. */
 TEST(test_ranges)
 {

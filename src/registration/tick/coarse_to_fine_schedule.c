@@ -49,8 +49,10 @@ SMR_SELDOM void smr_schedule_start(smr *s)
     p->iteration = p->since_plastic = p->plastic_updates = p->converged = p->done = p->repairing = p->repaired = 0;
     p->gain = p->fade = 1.0f;
     s->reference.strained = 0;
-    if (SMR_HAS_TRACK)
+    if (SMR_HAS_TRACK) {
         smr_tracking_end(s);
+        smr_outliers_forget(&s->forces.surface, SMR_ALL); /* without the scale of residuals in tracking */
+    }
     smr_place_reset(s);
     s->forces.surface.limit = s->forces.surface.limit_next = 0.0f;
     if (smr_visibility_on(&s->forces.surface))
