@@ -364,7 +364,7 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_STRUCTURES 8192u   /* for SMR_ALL: structures that are not good make up much of the model */
 #define SMR_REASON_RECOVERING 16384u  /* recovering is 1, or no iteration on the present targets is complete */
 #define SMR_REASON_UNCHECKED 32768u   /* no whole round of smr_set_scrub() since the last iteration */
-#define SMR_REASON_BOUND 65536u       /* edges were stretched beyond config.motion.strain_most */
+#define SMR_REASON_BOUND 65536u       /* many edges were stretched beyond config.motion.strain_most */
 #define SMR_REASON_SUBJECTS 131072u   /* subjects_ratio is high */
 
 /* Writes each vertex' expected distance from its true place to mm[n_vertices], or the parts across and along the
@@ -989,7 +989,7 @@ typedef struct smr_motion_config {
     uint32_t plastic_every;
     uint32_t plastic_by; /* SMR_PLASTIC_..., default largest. Displacement that plastic_um bounds: largest, or mean */
     /* share, [0, 1000], default 1.5. Edges stretched against the rest shape by more than this are shortened before x^r
-     * follows, so that a part of the strain beyond remains; the verdict tells (SMR_REASON_BOUND). 0: no bound. */
+     * follows; a part of the strain beyond remains. Verdicts tell of one in 1,000 (SMR_REASON_BOUND). 0: no bound. */
     float strain_most;
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
      * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */

@@ -9,6 +9,7 @@
 
 #define SMR_STRAIN_SWEEPS 4u     /* most sweeps over the triangles in an iteration */
 #define SMR_STRAIN_LEAST 1.0e-6f /* smaller scales and mean edges, mm, count as this: quotients stay finite */
+#define SMR_STRAIN_FEW 0.001f    /* share of edges beyond the yield up to which the verdict does not mention them */
 #define SMR_STRAIN_EVERY 8u      /* iterations of the last two radii from one check to the next */
 
 /* Returns 1 when this iteration checks edges: the last one that a radius may have, and some of the last two radii. */
@@ -57,6 +58,10 @@ void smr_strain_limit(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
             const float ratio = SMR_SQRT(now2 / rest2) / scale, beyond = ratio - 1.0f - most;
             shorten(s, a, b, now, (beyond - beyond / (1.0f + beyond / most)) / ratio);
         }
-    if (last == s->shared.n_triangles && s->reference.n_over > 0u && s->reference.n_sweeps < SMR_STRAIN_SWEEPS)
+    if (last < s->shared.n_triangles)
+        return;
+    if (s->reference.n_sweeps == 1u)
+        s->reference.many_over = (float)s->reference.n_over > SMR_STRAIN_FEW * 3.0f * (float)s->shared.n_triangles;
+    if (s->reference.n_over > 0u && s->reference.n_sweeps < SMR_STRAIN_SWEEPS)
         s->reference.n_sweeps++;
 }

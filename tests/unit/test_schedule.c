@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "property/rig_ball_image.h"
-#include "registration/registration.h"
+#include "registration/schedule_radius.h"
 
 static const float none[3] = {0, 0, 0};
 
@@ -206,6 +206,31 @@ static float drawn_out(float strain_most, smr_verdict *v, uint64_t *hash)
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, v));
     *hash = report.state_hash;
     return most;
+}
+
+/* Checks the edges with n vertices moved away. Returns 1 when the verdict is to tell of them. */
+static uint32_t many_beyond(smr *s, uint32_t n)
+{
+    memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
+    for (uint32_t v = 0; v < n; v++)
+        s->shape.x_next[3u * (s->shared.n / 2u + v)] += 100.0f;
+    s->reference.n_sweeps = 1;
+    for (uint32_t task = 0; task * SMR_TRIANGLE_CHUNK < s->shared.n_triangles; task++)
+        smr_strain_limit(s, task, 0);
+    assert_true(n == 0u || s->reference.n_over > 0u);
+    return s->reference.many_over;
+}
+
+/* A few stretched edges of thousands are no reason to doubt the whole; a thousandth of them is. */
+TEST(test_few_edges_beyond_the_bound)
+{
+    const smr_config c = smr_config_default();
+    const smr_mesh mesh = rig_ball(30, 40, 60, none);
+    const smr_prepare_config radii = rig_radii(3, 40, 25, 15);
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    assert_int_equal(1, many_beyond(s, 20));
+    assert_int_equal(0, many_beyond(s, 1));
+    assert_int_equal(0, many_beyond(s, 0));
 }
 
 /* The bound changes no bit that it does not reach, shortens edges where it is reached, and the verdict tells. */

@@ -27,13 +27,14 @@ typedef struct smr_reference {
     const smr_shape *shape;
     smr_sums *sums; /* memory in which the moments of x^r are summed */
     smr_tally *tally;
-    uint32_t stale;    /* 1: x^r or the active vertices are new */
-    uint32_t missing;  /* 1: centre, spread, cluster_mass and share must be computed after a restore */
-    uint32_t strained; /* 1: edges were beyond the bound of strain when they were checked last (strain_bound.c) */
-    uint32_t n_sweeps; /* number of sweeps over the edges that are known to be due in this iteration */
-    uint32_t n_over;   /* number of edges of triangles beyond the bound in this sweep so far */
-    float *centre;     /* [n][3] c^r of each cluster, mm */
-    float *spread;     /* [n][6] inverse inertia tensor (rigid) or covariance (polar) of each cluster, upper triangle */
+    uint32_t stale;     /* 1: x^r or the active vertices are new */
+    uint32_t missing;   /* 1: centre, spread, cluster_mass and share must be computed after a restore */
+    uint32_t strained;  /* 1: many edges were beyond the bound of strain when they were checked last (strain_bound.c) */
+    uint32_t n_sweeps;  /* number of sweeps over the edges that are known to be due in this iteration */
+    uint32_t n_over;    /* number of edges of triangles beyond the bound in this sweep so far */
+    uint32_t many_over; /* 1: the first sweep of this check found many of them */
+    float *centre;      /* [n][3] c^r of each cluster, mm */
+    float *spread; /* [n][6] inverse inertia tensor (rigid) or covariance (polar) of each cluster, upper triangle */
     float *cluster_mass; /* [n] mass M of the cluster. Centre, spread and M exist for active vertices' clusters only */
     float *share;        /* [n] 1 / number of active vertices of the cluster; 0 without active vertices */
     float coarse, fine;  /* steps, mm, to which x^r is rounded for spreads and for centres */

@@ -50,7 +50,7 @@ static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
 static void reference_begin(smr *s) { smr_reference_begin(&s->reference); }
 static void reference_end(smr *s) { smr_reference_end(&s->reference); }
 static void evolve_end(smr *s) { smr_triangles_follow(&s->shape, s->shape.x_next); }
-static void strain_end(smr *s) { s->reference.strained = s->reference.n_sweeps > 1u; }
+static void strain_end(smr *s) { s->reference.strained = s->reference.many_over; }
 static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
 static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
 
