@@ -225,10 +225,10 @@ static uint32_t many_beyond(smr *s, uint32_t n)
 TEST(test_few_edges_beyond_the_bound)
 {
     const smr_config c = smr_config_default();
-    const smr_mesh mesh = rig_ball(30, 40, 60, none);
+    const smr_mesh mesh = rig_ball(30, 80, 120, none);
     const smr_prepare_config radii = rig_radii(3, 40, 25, 15);
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
-    assert_int_equal(1, many_beyond(s, 20));
+    assert_int_equal(1, many_beyond(s, 60));
     assert_int_equal(0, many_beyond(s, 1));
     assert_int_equal(0, many_beyond(s, 0));
 }
