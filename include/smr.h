@@ -241,21 +241,21 @@ typedef struct smr_tick_report {
 
 /* Runs one registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.
  * With budget_ns 0, or a port without a clock, it is one whole iteration. With a budget a tick evaluates forces by
- * priority until the rest of the iteration needs the remaining time; other vertices are ignored (none into an image,
- * but in tracking). If the budget ends within the iteration, the tick stops between two chunks of work and returns
- * SMR_PARTIAL. The last complete positions then stay valid, and the next tick resumes the iteration. Every tick does at
- * least one chunk of work. Once the schedule has ended, a tick changes nothing. report may be NULL.
- * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are missing after
- * smr_restore(); called from within a tick; the caller's force broke its contract; the port left out a task or used an
- * illegal worker number; then the last complete positions stay, and ticks return E_STATE until smr_set_pose() or
- * smr_set_positions()). */
+ * priority until the rest of the iteration needs the remaining time; other vertices are ignored, none where even the
+ * fewest exceed the budget, nor into an image without tracking. If the budget ends within the iteration, the tick stops
+ * between two chunks of work and returns SMR_PARTIAL. The last complete positions then stay valid, and the next tick
+ * resumes the iteration. Every tick does at least one chunk of work. Once the schedule has ended, a tick changes
+ * nothing. report may be NULL. Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted;
+ * inputs are missing after smr_restore(); called from within a tick; the caller's force broke its contract; the port
+ * left out a task or used an illegal worker number; then the last complete positions stay, and ticks return E_STATE
+ * until smr_set_pose() or smr_set_positions()). */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
 /* Copies a structure's positions to xyz[n_vertices][3], mm, in the caller's order. Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 
 /* ------------------------------------------------------------------ 6. verdict */
-/* Levels of a verdict by its probability. FAILED: the result says nothing about the target. */
+/* Levels of a verdict by its probability. FAILED: very likely wrong, though what is visible may be right. */
 enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
 #define SMR_PROBABILITY_GOOD 0.8f    /* a verdict with a higher probability is good */
 #define SMR_PROBABILITY_FAILED 0.05f /* a verdict with a lower probability is failed */
