@@ -208,7 +208,7 @@ group_points() {
             cloud with_normals 3000 0 1 0 0.7
             cloud arriving 3000 50 1 0 0.7
             cloud bare_arriving 3000 50 0 0 0.7
-            cloud swept 3000 50 0 1 1e9
+            cloud swept 3000 50 0 1 0.7
         done
     done
     for line in bare few few_bare $(either short '' 'with_normals arriving bare_arriving swept'); do
