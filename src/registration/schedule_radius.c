@@ -85,10 +85,11 @@ float smr_radius_progress(const smr *s)
 }
 
 /* Returns 1 when fewer active vertices suffice: with an image, whose forces take most of an iteration, and at radii
- * before the last, whose clusters cannot follow single vertices. Not with a cloud: its points may arrive in turn. */
+ * before the last, whose clusters cannot follow single vertices. Not with a cloud that grows. */
 static int few_suffice(const smr *s)
 {
-    const int coarse = s->shared.config.motion.settle_share > 0.0f && s->forces.surface.n_clouds_at_begin == 0u &&
+    const int grows = s->schedule.n_points > 0u && s->forces.surface.n_points > s->schedule.n_points;
+    const int coarse = s->shared.config.motion.settle_share > 0.0f && !grows &&
                        !smr_at_last_radius(&s->shared, &s->schedule) && !s->schedule.tracking &&
                        !s->shared.config.dynamics.mode;
     return s->shared.config.schedule.active_enough > 0u && (s->forces.image.has_image || coarse);
