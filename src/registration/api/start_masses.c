@@ -1,5 +1,6 @@
 /* start_masses.c: stages of smr_init() with dynamics: counts the members of clusters, and finds weights of fits.
- * Bounds: a pass over the lists of the radius of time steps, for each SMR_WORDS structures; four over the vertices.
+ * Bounds: for each SMR_WORDS structures a pass over the lists of the radius of time steps, and two over the vertices;
+ * two more over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
 #include "registration/api/start.h"
