@@ -140,11 +140,8 @@ void smr_radius_take(smr *s)
     smr_schedule *p = &s->schedule;
     const float before = p->radius > 0u ? smr_model_lists(s->shared.model, p->radius - 1u).radius : 0.0f;
     p->lists = smr_model_lists(s->shared.model, p->radius);
-    p->momentum = smr_at_last_radius(&s->shared, p) ? c->motion.momentum_last : c->motion.momentum;
-    if (c->dynamics.mode) {
+    if (c->dynamics.mode)
         p->lists.active_min = s->shared.n; /* all vertices are active: only together they conserve momentum */
-        p->momentum = 0.0f;
-    }
     const float within = c->forces.search_radii * smr_max(p->lists.radius, SMR_NARROWING * before);
     p->search_mm = smr_min(c->basic.search_mm, within);
 }

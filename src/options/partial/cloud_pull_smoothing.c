@@ -3,14 +3,28 @@
  * its pull and weight and takes half of its mesh neighbours' mean. Displacements are smoothed, not positions, so the
  * model keeps its fine shape. Rounds continue until several points lie within reach of each reached vertex. Smoothing
  * follows the mesh: the far side of a thin wall is near in space. All clouds use the same number of rounds.
- * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
+ * Small clusters would follow the noise of points. Leave-one-out cross-validation (Stone 1974) tells noise from motion:
+ * goals are shortened to the share of each point's pull that the smoothed pulls of the other points predict.
+ * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls, one over the points.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "log/record/log_format.h"
 #include "options/partial/partial.h"
 
 #define SMR_ROUNDS_LEAST 2u   /* smallest number of rounds of smoothing */
 #define SMR_ROUNDS_MAX 12u    /* largest number of rounds of smoothing */
 #define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex at which rounds of smoothing end */
+#define SMR_POINT_CHUNK 64u   /* number of points in a task that compares pulls with those of other points */
+
+/* A point's share in the smoothed pulls where it lies, on a regular mesh after r rounds: 1 / (FIRST + ROUND * r) of its
+ * weight there. The mean over a triangle of 1/2 the probability that a lazy random walk returns, and 1/2 that it ends on
+ * a neighbour, to 2 %. */
+#define SMR_OWN_FIRST 1.6f
+#define SMR_OWN_ROUND 1.8f
+#define SMR_OWN_MOST 0.8f       /* largest share at which the other points predict anything */
+#define SMR_CLUSTER_POINTS 0.7f /* points' shares in a cluster's motion: this divided by their number in the cluster */
+#define SMR_CLUSTER_VERTICES                                                                                           \
+    3.6f /* vertices in a cluster on a regular mesh / square of radius in edges: 2 pi / sqrt 3 */
 
 static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tasks(p->shared) + p->shared->n_tasks; }
 
@@ -117,22 +131,106 @@ static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         end_round(p);
 }
 
-static int cloud_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
+/* Returns the pull of point j on triangle t of the model at x, mm, and the weights of the place that is pulled. */
+static smr_vec pull_of(const smr_point_spread *p, const smr_goal *goal, uint32_t j, const uint32_t *t, float at[3])
+{
+    const smr_vec y = smr_add(smr_get3(goal->surface->xyz, j), smr_sub(goal->surface->origin, p->shape->origin));
+    (void)smr_triangle_closest_of(&y, p->shape->x, t, at);
+    return smr_sub(y, smr_corners_mean(smr_corners_of(p->shape->x, t), at));
+}
+
+/* Adds to the sums how the pull of point j along the normal goes with the smoothed pulls of the other points. */
+static void compare(smr_point_spread *p, const smr_goal *goal, uint32_t j)
+{
+    const uint32_t slot = goal->first_warm + j, k = p->goals->target_warm[slot];
+    if (p->goals->target_residual[slot] == SMR_RESIDUAL_NONE || k >= p->shared->n_triangles)
+        return;
+    const uint32_t *const t = smr_model_triangle(p->shared, k);
+    float at[3], s[4] = {0, 0, 0, 0};
+    const smr_vec pull = pull_of(p, goal, j, t, at), r = smr_beyond_noise(p->goals, pull);
+    const float weight = smr_target_area(goal->surface, j) * smr_outlier_weight(p->goals, goal, j, smr_dot(pull, pull));
+    for (uint32_t c = 0; c < 3u; c++)
+        for (uint32_t i = 0; i < 4u; i++)
+            s[i] += at[c] * p->memory.pull[4u * (size_t)t[c] + i];
+    const float own = weight / (SMR_OWN_FIRST + SMR_OWN_ROUND * (float)p->rounds);
+    if (!(weight > 0.0f) || !(own < SMR_OWN_MOST * s[3]))
+        return;
+    const smr_vec n = smr_get3(p->shape->triangle_normal, k);
+    const smr_vec others = smr_scale(smr_sub(smr_load(s), smr_scale(r, own)), 1.0f / (s[3] - own));
+    const float is = smr_dot(n, r), predicted = smr_dot(n, others);
+    p->product += weight * is * predicted;
+    p->square += weight * predicted * predicted;
+    p->own += weight * own / s[3];
+    p->compared += weight;
+}
+
+/* Sets the share of a cloud's goals that the model follows. A large cluster averages over its points itself. */
+static void set_share(const smr_point_spread *p, const smr_goal *goal)
+{
+    const float edges = p->goals->schedule->lists.radius / smr_le_float(p->shared->model->edge_mm);
+    const float points = p->goals->target[goal->structure].spread * SMR_CLUSTER_VERTICES * edges * edges;
+    const float predicted = p->product < p->square ? smr_positive(p->product) / p->square : 1.0f;
+    const float counts = p->compared * SMR_CLUSTER_POINTS < points * p->own
+                             ? p->compared * SMR_CLUSTER_POINTS / (points * p->own)
+                             : 1.0f;
+    for (uint32_t i = 0; i < p->shared->n_structures; i++)
+        if (p->goals->target[i].surface == goal->surface)
+            p->goals->target[i].share = 1.0f - counts * (1.0f - predicted);
+}
+
+static uint32_t comparing_tasks(const smr_goal *goal)
+{
+    return smr_is_cloud(goal->surface) ? smr_ceil_div(goal->n_vertices, SMR_POINT_CHUNK) : 0u;
+}
+
+uint32_t smr_point_share_tasks(const void *arg)
+{
+    const smr_surface_goals *g = ((const smr_point_spread *)arg)->goals;
+    uint32_t n = 0;
+    for (uint32_t k = 0; g->n_clouds > 0u && k < g->n_goals; k++)
+        n += comparing_tasks(&g->goal[k]);
+    return n;
+}
+
+static void compare_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_point_spread *p = arg;
+    const smr_goal *goal = p->goals->goal;
+    for (; task >= comparing_tasks(goal); goal++)
+        task -= comparing_tasks(goal);
+    if (task == 0u)
+        p->product = p->square = p->own = p->compared = 0.0f;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_POINT_CHUNK, goal->n_vertices);
+    for (uint32_t j = task * SMR_POINT_CHUNK; j < last; j++)
+        compare(p, goal, j);
+    if (last == goal->n_vertices)
+        set_share(p, goal);
+}
+
+static int cloud_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement, float *residual)
 {
     const smr_vec p = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     const float *s = g->spread + 4u * (size_t)v;
     g->warm_next[v] = SMR_NONE;
     if (!(s[3] > 0.0f) || smr_reject_outside(&g->shared->config, p))
         return 0;
-    *displacement = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    const smr_vec goal = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    *residual = smr_length(goal);
+    *displacement = smr_scale(goal, g->target[smr_model_owner(g->shared->model, v)].share);
     if (g->visibility != NULL)
         smr_visibility_judge_points(g, v, s[3]);
     return 1;
 }
 
-const smr_cloud_calls smr_clouds = {cloud_goal, spread_pulls, smr_visibility_note_view, smr_points_checksum};
+const smr_cloud_calls smr_clouds = {cloud_goal, spread_pulls, compare_pulls, smr_visibility_note_view,
+                                    smr_points_checksum};
 
 void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
 {
     ((const smr_point_spread *)arg)->goals->clouds->spread(arg, task, worker);
+}
+
+void smr_point_share_run(void *arg, uint32_t task, uint32_t worker)
+{
+    ((const smr_point_spread *)arg)->goals->clouds->compare(arg, task, worker);
 }

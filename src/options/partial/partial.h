@@ -52,13 +52,18 @@ typedef struct smr_point_spread {
     uint32_t rounds;    /* number of smoothing rounds; grows while another one is needed */
     uint32_t n_reached; /* number of vertices that pulls have reached in the current round */
     float weight;       /* sum of the weights of all pulls */
+    /* sums over the points of a cloud so far, by weight: of the weights; of pulls along the normal, mm, times what the
+     * other points predict; of squares of the latter; of points' shares in the smoothed pulls */
+    float compared, product, square, own;
 } smr_point_spread;
 
 /* Functions for clouds in an iteration. Programs without smr_set_points(), which names them, link none. */
 typedef struct smr_cloud_calls {
-    /* writes the displacement of v to its goal, mm, and stores v's visibility; returns 0 without a goal */
-    int (*goal)(smr_surface_goals *g, uint32_t v, smr_vec *displacement);
+    /* writes the displacement of v to its goal and the distance to the points, mm, and stores v's visibility; returns 0
+     * without a goal */
+    int (*goal)(smr_surface_goals *g, uint32_t v, smr_vec *displacement, float *residual);
     smr_run_task *spread;                               /* runs a task of smr_point_spread_run() */
+    smr_run_task *compare;                              /* runs a task of smr_point_share_run() */
     void (*view)(smr_surface_goals *g);                 /* sets mean normals of vertices that clouds show */
     uint64_t (*checksum)(const float *xyz, uint32_t n); /* returns the checksum of n points */
 } smr_cloud_calls;
@@ -68,6 +73,9 @@ extern const smr_cloud_calls smr_clouds;
 /* Step: smooths the pulls of clouds over the mesh. No tasks without a cloud. Tasks run one after the other. */
 smr_count_tasks smr_point_spread_tasks;
 smr_run_task smr_point_spread_run;
+/* Step: sets the share of its goals that each cloud's points confirm. Tasks run one after the other. */
+smr_count_tasks smr_point_share_tasks;
+smr_run_task smr_point_share_run;
 
 /* ---- landmarks ---- */
 

@@ -88,7 +88,7 @@ static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, sm
     smr_surface_goals *g = &f->surface;
     smr_surface_find find;
     if (smr_is_points(drawn->surface))
-        return g->clouds->goal(g, v, displacement);
+        return g->clouds->goal(g, v, displacement, residual);
     const int found = smr_surface_goal(g, v, drawn->surface, pause, displacement, &find);
     if (pause->kept || find.hit.triangle == SMR_NONE)
         return found;

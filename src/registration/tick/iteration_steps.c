@@ -157,6 +157,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
     SMR_SERIAL_STEP(PLAIN, FORCES, TASKS, 90, forces.surface, smr_outlier_tasks, smr_outlier_sum, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 50, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 50, forces.points, smr_point_share_tasks, smr_point_share_run, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 90, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve,
                     NULL),
     SMR_STEP(IMAGE, FORCES, TASKS, 0, forces.image, smr_fill_tasks, smr_fill_sum, NULL),
