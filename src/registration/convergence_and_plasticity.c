@@ -28,7 +28,9 @@ static int stalls(const smr *s, uint32_t radius_iteration)
     const uint32_t first = s->shared.config.schedule.radius_first;
     const smr_force_totals *f = &s->forces.totals; /* vertices without a goal count as at rest */
     const float way = f->goal_mean * (float)f->n_forces / (float)smr_max_u32(s->schedule.n_active, 1u);
-    const float share = c->settle_share * smr_model_lists(s->shared.model, first).radius / s->schedule.lists.radius;
+    const float slower = (1.0f - c->momentum) / (1.0f - s->schedule.momentum); /* with less momentum, as for clouds */
+    const float share =
+        slower * c->settle_share * smr_model_lists(s->shared.model, first).radius / s->schedule.lists.radius;
     return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST && /* none of a fold repair */
            !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) && s->evolve.mean_mm <= share * way;
 }

@@ -9,6 +9,7 @@
 #define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
 #define SMR_NORMAL_LENGTH 0.5f    /* kernel length divided by the diagonal of the structure's box */
 #define SMR_NORMAL_NOISE 0.01f    /* assumed noise variance / field's variance, for the bend and the first size2 */
+#define SMR_NOISE_POINTS 1.6f     /* growth of the number of points averaged / points of a cloud for a visible vertex */
 #define SMR_NORMAL_MOTIONS 8.0f   /* variance of shift, turn, scale (at a kernel length) / field's variance */
 
 /* Places arrays in the memory of sums and records, which is free between iterations. Returns the number of observations
@@ -150,6 +151,14 @@ void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_ring_add(rings, smr_triangle_of(smr_judged(j)->tree.triangle, k, j->s->shared.n), rings->displacement);
 }
 
+/* Returns the share of the variance of a cloud's noise that is left, since vertices follow the mean of several points. */
+static float after_averaging(const smr_judgement *j)
+{
+    const uint32_t visible = j->s->forces.surface.target[j->structure].n_visible;
+    const uint32_t n = visible > 0u ? visible : smr_judged(j)->n_vertices;
+    return j->by == SMR_BY_CLOUD ? 1.0f / (1.0f + SMR_NOISE_POINTS * j->residual.weight / (float)n) : 1.0f;
+}
+
 /* Adds the noise of visible vertices; the last task sets the noise variance. */
 void smr_noise_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -165,5 +174,5 @@ void smr_noise_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         const float out = smr_dot(smr_sub(smr_get3(rings->displacement, v), mean), smr_get3(j->s->shape.normal, v));
         smr_mean_add(&j->mean, out * out * (6.0f / 7.0f), 1.0f);
     }
-    j->field.noise2 = smr_mean_of(j->mean, 0.0f) + residual * residual;
+    j->field.noise2 = smr_mean_of(j->mean, 0.0f) + residual * residual * after_averaging(j);
 }

@@ -70,7 +70,7 @@ typedef struct smr_normal_field {
     float *open;         /* [n] change of the coefficients by the variance of the motion from the start */
     float *lower;        /* Cholesky factor of the observations' covariance, row by row */
     uint32_t most, n;    /* largest number of observations; number of observations, 0: too few */
-    uint32_t total, met; /* number of visible vertices; number of those that the choice of observations has met */
+    uint32_t total, met; /* number of observed vertices; number of those that the choice of observations has met */
     uint32_t round;      /* number of rounds that have found size2 */
     float noise2;        /* measured noise variance, mm^2 */
     float noise;         /* noise variance along a normal / size2 */

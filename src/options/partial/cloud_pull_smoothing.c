@@ -21,8 +21,8 @@
  * a neighbour, to 2 %. */
 #define SMR_OWN_FIRST 1.6f
 #define SMR_OWN_ROUND 1.8f
-#define SMR_OWN_MOST 0.8f       /* largest share at which the other points predict anything */
-#define SMR_CLUSTER_POINTS 0.7f /* points' shares in a cluster's motion: this divided by their number in the cluster */
+#define SMR_POINTS_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
+#define SMR_OWN_MOST 0.8f        /* largest share at which the other points predict anything */
 #define SMR_CLUSTER_VERTICES                                                                                           \
     3.6f /* vertices in a cluster on a regular mesh / square of radius in edges: 2 pi / sqrt 3 */
 
@@ -164,15 +164,16 @@ static void compare(smr_point_spread *p, const smr_goal *goal, uint32_t j)
     p->compared += weight;
 }
 
-/* Sets the share of a cloud's goals that the model follows. A large cluster averages over its points itself. */
+/* Sets the share of a cloud's goals that the model follows. Large clusters average over their points themselves: only
+ * where a point's share in its cluster's motion, 1 / number of points, is as large as in the smoothed pulls, goals are
+ * shortened in full. */
 static void set_share(const smr_point_spread *p, const smr_goal *goal)
 {
     const float edges = p->goals->schedule->lists.radius / smr_le_float(p->shared->model->edge_mm);
-    const float points = p->goals->target[goal->structure].spread * SMR_CLUSTER_VERTICES * edges * edges;
+    const float in_cluster = p->goals->target[goal->structure].spread * SMR_CLUSTER_VERTICES * edges * edges;
+    const float in_reach = p->compared / smr_max(p->own, SMR_POINTS_TINY);
+    const float counts = in_reach < in_cluster ? in_reach / in_cluster : 1.0f;
     const float predicted = p->product < p->square ? smr_positive(p->product) / p->square : 1.0f;
-    const float counts = p->compared * SMR_CLUSTER_POINTS < points * p->own
-                             ? p->compared * SMR_CLUSTER_POINTS / (points * p->own)
-                             : 1.0f;
     for (uint32_t i = 0; i < p->shared->n_structures; i++)
         if (p->goals->target[i].surface == goal->surface)
             p->goals->target[i].share = 1.0f - counts * (1.0f - predicted);
