@@ -151,7 +151,7 @@ void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_ring_add(rings, smr_triangle_of(smr_judged(j)->tree.triangle, k, j->s->shared.n), rings->displacement);
 }
 
-/* Returns the share of the variance of a cloud's noise that is left, since vertices follow the mean of several points. */
+/* Returns the share of the variance of a cloud's noise that is left: vertices follow the mean of several points. */
 static float after_averaging(const smr_judgement *j)
 {
     const uint32_t visible = j->s->forces.surface.target[j->structure].n_visible;

@@ -16,15 +16,13 @@
 #define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex at which rounds of smoothing end */
 #define SMR_POINT_CHUNK 64u   /* number of points in a task that compares pulls with those of other points */
 
-/* A point's share in the smoothed pulls where it lies, on a regular mesh after r rounds: 1 / (FIRST + ROUND * r) of its
- * weight there. The mean over a triangle of 1/2 the probability that a lazy random walk returns, and 1/2 that it ends on
- * a neighbour, to 2 %. */
+/* A point's share in the smoothed pulls where it lies: its weight / (FIRST + ROUND * rounds) / the weight there. On a
+ * regular mesh it is half the probability that a random walk returns, plus half that it ends on a neighbour, to 2 %. */
 #define SMR_OWN_FIRST 1.6f
 #define SMR_OWN_ROUND 1.8f
-#define SMR_POINTS_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
-#define SMR_OWN_MOST 0.8f        /* largest share at which the other points predict anything */
-#define SMR_CLUSTER_VERTICES                                                                                           \
-    3.6f /* vertices in a cluster on a regular mesh / square of radius in edges: 2 pi / sqrt 3 */
+#define SMR_OWN_MOST 0.8f         /* largest share of a point that other points are compared with */
+#define SMR_CLUSTER_VERTICES 3.6f /* vertices of a cluster on a regular mesh / square of its radius in edges */
+#define SMR_POINTS_TINY 1.0e-20f  /* least divisor: compilers divide before they test divisors for 0 */
 
 static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tasks(p->shared) + p->shared->n_tasks; }
 
