@@ -205,18 +205,17 @@ static float mean_difference(const float *a, const float *b)
     return sum / (float)part[0].n_vertices;
 }
 
-/* Radii that a ball has by points of noise mm. */
-static float *radii_by(uint32_t seed, float noise)
+/* Radii that a ball has by n points of noise mm. */
+static float *radii_by(uint32_t n, uint32_t seed, float noise)
 {
-    enum { MANY = 1500 };
-    smr_points *cloud = rig_cloud(MANY);
+    smr_points *cloud = rig_cloud(n);
     float *radius = rig_alloc(part[0].n_vertices * sizeof(float));
     smr_verdict verdict;
-    for (uint32_t i = 0; i < MANY; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         const point p = rig_cloud_point(&seed, 0, 24.0f, noise);
         add(cloud, &p);
     }
-    smr *s = run_onto(cloud, MANY, NULL, 1);
+    smr *s = run_onto(cloud, n, NULL, 1);
     radii_of(s, radius);
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
     assert_true(verdict.visible_share > 0.95f && verdict.target_covered > 0.95f && verdict.normals_agree > 0.95f);
@@ -224,17 +223,24 @@ static float *radii_by(uint32_t seed, float noise)
     return radius;
 }
 
-/* Against points without noise: vertices of a coarse ball lie outside the sphere that its facets are laid onto. */
-TEST(test_noise_averages)
+/* Returns the mean difference, mm, that noise of 1 mm makes: a point is 0.5 off in the mean. */
+static float apart_by(uint32_t n)
 {
     float apart = 0.0f;
     for (uint32_t seed = 9; seed < 12u; seed++) {
-        const float *clean = radii_by(seed, 0.0f);
-        apart += mean_difference(clean, radii_by(seed, 1.0f)) / 3.0f;
+        const float *clean = radii_by(n, seed, 0.0f);
+        apart += mean_difference(clean, radii_by(n, seed, 1.0f)) / 3.0f;
         for (uint32_t v = 0; v < part[0].n_vertices; v++)
             assert_true(clean[v] > 24.0f && clean[v] < 26.0f);
     }
-    assert_true(apart < 0.1f); /* a point is 0.5 off in the mean */
+    return apart;
+}
+
+/* Against points without noise: vertices of a coarse ball lie outside the sphere that its facets are laid onto. */
+TEST(test_noise_averages)
+{
+    assert_true(apart_by(1500) < 0.075f); /* 0.079 and 0.20 if the model follows points that others do not confirm */
+    assert_true(apart_by(200) < 0.17f);
 }
 
 TEST(test_workers_change_no_bit)
