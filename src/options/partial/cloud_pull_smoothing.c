@@ -167,11 +167,12 @@ static void compare(smr_point_spread *p, const smr_goal *goal, uint32_t j)
  * shortened in full. */
 static void set_share(const smr_point_spread *p, const smr_goal *goal)
 {
-    const float edges = p->goals->schedule->lists.radius / smr_le_float(p->shared->model->edge_mm);
+    const float edges = p->goals->schedule->lists.radius / smr_max(smr_le_float(p->shared->model->edge_mm), 1.0e-6f);
     const float in_cluster = p->goals->target[goal->structure].spread * SMR_CLUSTER_VERTICES * edges * edges;
     const float in_reach = p->compared / smr_max(p->own, SMR_POINTS_TINY);
-    const float counts = in_reach < in_cluster ? in_reach / in_cluster : 1.0f;
-    const float predicted = p->product < p->square ? smr_positive(p->product) / p->square : 1.0f;
+    const float counts = smr_min(in_reach / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
+    const float predicted =
+        p->square > 0.0f ? smr_clamp(p->product / smr_max(p->square, SMR_POINTS_TINY), 0.0f, 1.0f) : 1.0f;
     for (uint32_t i = 0; i < p->shared->n_structures; i++)
         if (p->goals->target[i].surface == goal->surface)
             p->goals->target[i].share = 1.0f - counts * (1.0f - predicted);
