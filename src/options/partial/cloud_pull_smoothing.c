@@ -22,6 +22,7 @@
 #define SMR_OWN_ROUND 1.8f
 #define SMR_OWN_MOST 0.8f         /* largest share of a point that other points are compared with */
 #define SMR_CLUSTER_VERTICES 3.6f /* vertices of a cluster on a regular mesh / square of its radius in edges */
+#define SMR_SWINGS 0.15f          /* cosine of pulls and the opposite of last displacements above which momentum ends */
 #define SMR_POINTS_TINY 1.0e-20f  /* least divisor: compilers divide before they test divisors for 0 */
 
 static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tasks(p->shared) + p->shared->n_tasks; }
@@ -47,6 +48,10 @@ static void take(smr_point_spread *p, uint32_t v)
     for (uint32_t i = 0; i < 4u; i++)
         pull[i] = (float)sum[i] * (1.0f / SMR_PULL_SCALE);
     p->weight += pull[3];
+    const smr_vec pulled = smr_load(pull), step = smr_sub(smr_get3(p->shape->x, v), smr_get3(p->shape->x_next, v));
+    p->along += smr_dot(pulled, step);
+    p->pulls += smr_dot(pulled, pulled) / smr_max(pull[3], SMR_POINTS_TINY);
+    p->steps += smr_dot(step, step) * pull[3];
 }
 
 /* Adds the pulls of each corner of triangle t to the sums of the other two corners. */
@@ -109,7 +114,7 @@ static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task == 0u) {
         p->rounds = 1;
         p->n_reached = 0;
-        p->weight = 0.0f;
+        p->weight = p->along = p->pulls = p->steps = 0.0f;
     }
     if (task < n) {
         for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(p->shared, task); v++)
@@ -222,7 +227,13 @@ static int cloud_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement, f
     return 1;
 }
 
-const smr_cloud_calls smr_clouds = {cloud_goal, spread_pulls, compare_pulls, smr_visibility_note_view,
+/* Returns 1 when pulls oppose the last displacements. */
+static int swings(const smr_point_spread *p)
+{
+    return p->goals->n_clouds > 0u && p->along < -SMR_SWINGS * SMR_SQRT(p->pulls * p->steps);
+}
+
+const smr_cloud_calls smr_clouds = {cloud_goal,         spread_pulls, swings, compare_pulls, smr_visibility_note_view,
                                     smr_points_checksum};
 
 void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)

@@ -49,9 +49,10 @@ typedef struct smr_point_spread {
     const smr_shape *shape;
     smr_surface_goals *goals;
     smr_spread memory;
-    uint32_t rounds;    /* number of smoothing rounds; grows while another one is needed */
-    uint32_t n_reached; /* number of vertices that pulls have reached in the current round */
-    float weight;       /* sum of the weights of all pulls */
+    uint32_t rounds;           /* number of smoothing rounds; grows while another one is needed */
+    uint32_t n_reached;        /* number of vertices that pulls have reached in the current round */
+    float weight;              /* sum of the weights of all pulls */
+    float along, pulls, steps; /* sums, mm^2: pulls times last displacements; squares of pulls; of last displacements */
     /* sums over the points of a cloud so far, by weight: of the weights; of pulls along the normal, mm, times what the
      * other points predict; of squares of the latter; of points' shares in the smoothed pulls */
     float compared, product, square, own;
@@ -62,9 +63,10 @@ typedef struct smr_cloud_calls {
     /* writes the displacement of v to its goal and the distance to the points, mm, and stores v's visibility; returns 0
      * without a goal */
     int (*goal)(smr_surface_goals *g, uint32_t v, smr_vec *displacement, float *residual);
-    smr_run_task *spread;                               /* runs a task of smr_point_spread_run() */
-    smr_run_task *compare;                              /* runs a task of smr_point_share_run() */
-    void (*view)(smr_surface_goals *g);                 /* sets mean normals of vertices that clouds show */
+    smr_run_task *spread;                     /* runs a task of smr_point_spread_run() */
+    int (*swings)(const smr_point_spread *p); /* returns 1 when momentum would make the model swing about the points */
+    smr_run_task *compare;                    /* runs a task of smr_point_share_run() */
+    void (*view)(smr_surface_goals *g);       /* sets mean normals of vertices that clouds show */
     uint64_t (*checksum)(const float *xyz, uint32_t n); /* returns the checksum of n points */
 } smr_cloud_calls;
 

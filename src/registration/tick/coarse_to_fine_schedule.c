@@ -7,7 +7,6 @@
 #define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
 #define SMR_TRUSTED 0.7f    /* share of vertices with a goal in an image from which on the image's forces are whole */
 #define SMR_DISTRUST 0.6f   /* the same share up to which they are 0: noise alone gives up to 0.59, people 0.77 */
-#define SMR_STEADY 0.6f     /* largest momentum with clouds: points attract faster than a surface; with more, swings */
 #define SMR_GROWN 1.25f     /* factor by which the number of all clouds' points grows before a radius is repeated */
 
 /* Chooses n_active. A change needs new cluster centres and waits for a new reference shape or for
@@ -131,10 +130,9 @@ static void choose_distances(smr *s)
 static void choose_momentum(smr *s)
 {
     const smr_motion_config *c = &s->shared.config.motion;
-    const float most = s->forces.surface.n_clouds_at_begin > 0u ? SMR_STEADY : 1.0f;
     s->schedule.momentum = smr_moves(s)                                   ? 0.0f
                            : smr_at_last_radius(&s->shared, &s->schedule) ? c->momentum_last
-                                                                          : smr_min(c->momentum, most);
+                                                                          : c->momentum;
     if (smr_tracks(&s->schedule))
         smr_tracking_momentum(s);
 }

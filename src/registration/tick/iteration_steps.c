@@ -23,8 +23,11 @@ static void forces_end(smr *s)
     s->report.details.residual_max_mm = t->n_residuals > 0u ? t->max : -1.0f;
     if (smr_tracks(&s->schedule))
         smr_tracking_find_jump(s);
-    if (s->forces.surface.clouds != NULL)
-        s->forces.surface.clouds->view(&s->forces.surface);
+    if (s->forces.surface.clouds == NULL)
+        return;
+    s->forces.surface.clouds->view(&s->forces.surface);
+    if (s->forces.surface.clouds->swings(&s->forces.points))
+        s->schedule.momentum = 0.0f; /* a restart, as of accelerated gradients (O'Donoghue and Candes 2015) */
 }
 
 static void track_rest_end(smr *s)
