@@ -40,14 +40,11 @@ uint32_t smr_fold_find_tasks(const void *arg)
 static uint32_t find(const smr_folds *f, uint32_t from, uint32_t to, smr_tally *tally)
 {
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const float *const normal = f->shape->triangle_normal;
     const int repairing = f->schedule->repairing > 0u;
     uint32_t n = 0, n_open = 0, close = 0;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = dihedral + i;
-        const smr_vec a = smr_load(normal + 3u * (size_t)smr_edge_first(f, h));
-        const smr_vec b = smr_load(normal + 3u * (size_t)smr_edge_second(f, h));
-        const float next = smr_dot(a, b);
+        const float next = smr_refitted_cosine(f, h);
         if (!(next < SMR_LIMIT_BELOW))
             continue;
         close++;
@@ -76,7 +73,7 @@ void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-void smr_fold_find_end(smr_folds *f)
+SMR_SELDOM void smr_fold_find_end(smr_folds *f)
 {
     uint32_t n_bent = 0, n_open = 0;
     f->n_guarded = 0;

@@ -86,41 +86,61 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     }
 }
 
+/* Returns the first of the edges from .. to - 1 with a marked corner, and only in or near touched runs unless `all` is
+ * 1; to: none. *n_near grows unless no edge up to there has a touched run. */
+static uint32_t next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all, uint32_t *n_near)
+{
+    const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
+    const uint32_t bits = f->run_bits, n = f->shared->n_triangles;
+    const uint64_t *const touched = f->touched;
+    for (; from < to; from++) {
+        const uint32_t first = smr_index(smr_le32(dihedral[from].first), n), i = first >> bits;
+        const uint32_t second = smr_index(smr_le32(dihedral[from].bend) & SMR_DIHEDRAL_MASK, n), k = second >> bits;
+        if (!all && !(touched[i / 64u] >> (i % 64u) & 1u) && !(touched[k / 64u] >> (k % 64u) & 1u))
+            continue;
+        ++*n_near;
+        if (smr_any_marked(f, first) || smr_any_marked(f, second))
+            break;
+    }
+    return from;
+}
+
+/* Tests an edge with a cosine of `next` at x_next. */
+SMR_SHARED static void test(smr_folds *f, const smr_stored_dihedral *h, float next)
+{
+    smr_fold_limit *l = &f->limit;
+    const float limit = smr_edge_limit(h);
+    if (l->round < SMR_SOFT_ROUNDS) {
+        const float share = smr_fold_limit_share(f, h, next);
+        if (share > 0.0f) {
+            request(f, h, share);
+            l->most = smr_max(l->most, share);
+        }
+    } else if (next < limit && !(smr_dihedral_cosine(f, f->shape->x, h) < limit)) {
+        hold(f, h, l->round < SMR_SOFT_ROUNDS + SMR_HALVINGS ? 0.5f : 0.0f);
+        l->most = 1.0f;
+    }
+}
+
 /* Tests dihedral edges from .. to - 1, of one task of fold_find.c, in or near runs of triangles with moved corners. A
  * soft round skips all these edges if none had a touched run before and no further run has been touched since. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
-    smr_fold_limit *l = &f->limit;
     smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const uint32_t round = l->round;
+    const uint32_t round = f->limit.round;
     const uint32_t piece = (uint32_t)1 << (from % SMR_DIHEDRAL_CHUNK / SMR_LOOK_CHUNK);
-    uint32_t n_near = 0; /* number of edges with a touched run */
+    const int soft = round <= SMR_SOFT_ROUNDS;
+    uint32_t n_near = 0; /* 0: no edge has a touched run */
     if (tally->folds.n_touched != f->n_touched)
         tally->folds.quiet = 0;
     tally->folds.n_touched = f->n_touched;
-    if (round == 0u ? tally->folds.n_bent == 0u : round <= SMR_SOFT_ROUNDS && (tally->folds.quiet & piece) != 0u)
+    if (round == 0u ? tally->folds.n_bent == 0u : soft && (tally->folds.quiet & piece) != 0u)
         return;
-    for (uint32_t i = from; i < to; i++) {
-        const smr_stored_dihedral *h = dihedral + i;
-        const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
-        const int near = smr_run_touched(f, first) || smr_run_touched(f, second);
-        n_near += (uint32_t)near;
-        if (round > 0u &&
-            ((round <= SMR_SOFT_ROUNDS && !near) || (!smr_any_marked(f, first) && !smr_any_marked(f, second))))
-            continue;
-        const float next = smr_dihedral_cosine(f, f->shape->x_next, h), limit = smr_edge_limit(h);
-        if (l->round < SMR_SOFT_ROUNDS) {
-            const float share = smr_fold_limit_share(f, h, next);
-            if (share > 0.0f) {
-                request(f, h, share);
-                l->most = smr_max(l->most, share);
-            }
-        } else if (next < limit && !(smr_dihedral_cosine(f, f->shape->x, h) < limit)) {
-            hold(f, h, l->round < SMR_SOFT_ROUNDS + SMR_HALVINGS ? 0.5f : 0.0f);
-            l->most = 1.0f;
-        }
-    }
+    for (uint32_t i = from; round == 0u && i < to; i++)
+        test(f, dihedral + i, smr_refitted_cosine(f, dihedral + i));
+    for (uint32_t i = from; round > 0u && (i = next_marked(f, i, to, !soft, &n_near)) < to; i++)
+        test(f, dihedral + i, smr_dihedral_cosine(f, f->shape->x_next, dihedral + i));
     tally->folds.quiet |= n_near == 0u ? piece : 0u;
 }
 
@@ -146,7 +166,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
 }
 
 /* Continues with the next structure with folds, and after the last one with the next stage. */
-static void next_structure(smr_folds *f, uint32_t stage)
+SMR_SELDOM static void next_structure(smr_folds *f, uint32_t stage)
 {
     smr_fold_limit *l = &f->limit;
     l->pass.structure = smr_folding_from(f, l->pass.structure);
@@ -164,7 +184,7 @@ static void next_structure(smr_folds *f, uint32_t stage)
     l->most = 0.0f;
 }
 
-static void next_pass(smr_folds *f)
+SMR_SELDOM static void next_pass(smr_folds *f)
 {
     smr_fold_limit *l = &f->limit;
     l->pass.at = 0;

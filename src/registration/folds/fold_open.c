@@ -57,7 +57,7 @@ static void add_gradient(const side *own, const side *other, const uint32_t plac
     }
 }
 
-static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosine)
+SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosine)
 {
     static const uint32_t own[3] = {0, 1, 2};
     uint32_t place[3] = {3, 3, 3}, corner[4] = {a->corner[0], a->corner[1], a->corner[2], a->corner[0]};
@@ -94,7 +94,8 @@ static void open_folds(smr_folds *f, uint32_t from, uint32_t to)
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
         const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
-        if (!smr_edge_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
+        if (!smr_edge_open(h) || (!smr_any_marked(f, first) && !smr_any_marked(f, second) &&
+                                  !(found && smr_refitted_cosine(f, h) < SMR_FOLD_COS)))
             continue;
         const side a = side_of(f, first), b = side_of(f, second);
         const float cosine = smr_dot(a.normal, b.normal);

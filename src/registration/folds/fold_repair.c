@@ -23,7 +23,7 @@ static void mark(smr_folds *f, uint32_t triangle)
 }
 
 /* Marks the corners of dihedral edges that fold at x_next, in chunks where fold_find.c counted folds. */
-static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
+SMR_SELDOM static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
@@ -61,7 +61,7 @@ static void clear_ring(smr_folds *f, uint32_t v)
 }
 
 /* Clears the sums of triangles with marked corners, stores the corners' rest shape, and marks the triangles' runs. */
-static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
+SMR_SELDOM static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++) {
         if (!smr_any_marked(f, triangle))
@@ -95,7 +95,7 @@ static void sum_ring(smr_folds *f, const uint32_t *t)
     }
 }
 
-static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
+SMR_SELDOM static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++)
         if (!smr_run_touched(f, triangle))
@@ -106,7 +106,7 @@ static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 
 /* Sets the displacements of marked vertices to the weighted mean of their mesh neighbours' displacements. Several
  * sweeps approach the smoothest displacement that fits the surroundings. */
-static void move(smr_folds *f, uint32_t from, uint32_t to)
+SMR_SELDOM static void move(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
         const uint32_t v = smr_model_position(f->shared->model, i);
@@ -118,7 +118,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-static void next_structure(smr_folds *f)
+SMR_SELDOM static void next_structure(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
     r->pass.structure = smr_folding_from(f, r->pass.structure);
@@ -126,7 +126,7 @@ static void next_structure(smr_folds *f)
     r->pass.stage = r->pass.structure < f->shared->n_structures ? REPAIR_WIDER : REPAIR_IDLE;
 }
 
-static void next_pass(smr_folds *f)
+SMR_SELDOM static void next_pass(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
     r->pass.at = 0;

@@ -115,6 +115,13 @@ static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_
 /* Returns the cosine of the angle between the normals of an edge's triangles, with vertices at x [n][3]. */
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h);
 
+/* Returns the edge's cosine at x_next as the last refit of triangles found it: no corner has moved since. */
+static inline float smr_refitted_cosine(const smr_folds *f, const smr_stored_dihedral *h)
+{
+    const float *const normal = f->shape->triangle_normal;
+    return smr_dot(smr_get3(normal, smr_edge_first(f, h)), smr_get3(normal, smr_edge_second(f, h)));
+}
+
 /* Returns the share, 0..1, by which the steps of h's corners must move to their mean if h's next cosine is `next`. */
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next);
 
