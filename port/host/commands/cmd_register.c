@@ -119,10 +119,8 @@ static int run_steps(host_job *job, host_error *error)
     if (host_output_check(job->options->out, error) != 0 || check_files(job->options, error) != 0 ||
         host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
         host_job_check_format(job, error) != 0 || host_job_check(job, error) != 0 || host_job_match(job, error) != 0 ||
-        host_job_prepare(job, error) != 0 || host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0)
-        return HOST_REFUSED;
-    host_job_verdict(job);
-    if (host_job_keep_start(job, error) != 0 || write_all(job, error) != 0)
+        host_job_prepare(job, error) != 0 || host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0 ||
+        host_job_verdict(job, error) != 0 || host_job_keep_start(job, error) != 0 || write_all(job, error) != 0)
         return HOST_REFUSED;
     return status_of(job);
 }

@@ -282,8 +282,6 @@ static int measure(host_job *job, host_error *error)
         job->folds.deepest_mm = fmax(job->folds.deepest_mm, one->deepest_mm);
     }
     host_job_measure_labels(job);
-    if (host_job_measure_contact(job, error) != 0)
-        return -1;
     job->measure_s += host_seconds() - start;
     return 0;
 }
@@ -331,5 +329,5 @@ int host_job_keep_start(host_job *job, host_error *error)
     job->kept_start = 1;
     job->verdict.expected_error_mm = (double)NAN; /* it was of what is not written */
     host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "the start is written instead of what was found");
-    return measure(job, error);
+    return measure(job, error) != 0 ? -1 : host_job_measure_contact(job, error);
 }

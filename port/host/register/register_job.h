@@ -228,8 +228,8 @@ void host_job_free(host_job *job);
 /* The results' positions as they are now, for measuring. 0, or -1 with the error filled. */
 int host_job_copy_results(host_job *job, host_error *error);
 
-/* Judges the result: fills the verdicts, after host_job_evaluate. */
-void host_job_verdict(host_job *job);
+/* Measures contact and judges the result: fills the verdicts, after host_job_evaluate. 0, or -1, error filled. */
+int host_job_verdict(host_job *job, host_error *error);
 
 /* Where the vertices of all structures are now, *xyz [all vertices][3], mm, in place of what it was; owned by the
  * caller. 0, or -1 with the error filled. */

@@ -261,9 +261,34 @@ static void find_local_volumes(host_job *job)
     free(all);
 }
 
-void host_job_verdict(host_job *job)
+/* Two independent tasks: contact of the results, and what the registration itself measures. */
+typedef struct both {
+    host_job *job;
+    host_error *error;
+    int failed;        /* contact */
+    smr_status status; /* of the library's verdict */
+} both;
+
+static void measure_half(void *arg, uint32_t task, uint32_t worker)
 {
-    find_local_volumes(job);
+    both *const b = arg;
+    (void)worker;
+    if (task == 0) {
+        b->failed = host_job_measure_contact(b->job, b->error);
+        return;
+    }
+    find_local_volumes(b->job);
+    b->status = smr_get_verdict(b->job->state, SMR_ALL, &b->job->measures);
+}
+
+int host_job_verdict(host_job *job, host_error *error)
+{
+    both b = {job, error, 0, SMR_OK};
+    const double start = host_seconds();
+    host_parallel(&job->port.port, measure_half, &b, 2);
+    job->measure_s += host_seconds() - start;
+    if (b.failed)
+        return -1;
     job->verdict.probability = 1.0;
     for (uint32_t i = 0; i < job->model.n_parts; i++)
         job->result[i].verdict.probability = 1.0;
@@ -274,9 +299,8 @@ void host_job_verdict(host_job *job)
     judge_folds(job, &job->verdict);
     judge_contact(job, &job->verdict);
     judge_contradiction(job, &job->verdict);
-    smr_status status = smr_get_verdict(job->state, SMR_ALL, &job->measures);
     smr_verdict measures = job->measures; /* also those of a structure alone */
-    judge_measures(status, &job->measures, &job->verdict);
+    judge_measures(b.status, &job->measures, &job->verdict);
     if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_VISIBLE) != 0)
         host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_VISIBLE));
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
@@ -284,7 +308,8 @@ void host_job_verdict(host_job *job)
         if (job->result[i].report.has_target == 0)
             continue;
         if (job->model.n_parts > 1)
-            status = smr_get_verdict(job->state, i, &measures);
-        judge_measures(status, &measures, &job->result[i].verdict);
+            b.status = smr_get_verdict(job->state, i, &measures);
+        judge_measures(b.status, &measures, &job->result[i].verdict);
     }
+    return 0;
 }
