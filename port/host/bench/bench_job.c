@@ -135,8 +135,10 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
 /* Frees what the last registration left in the job. */
 static void forget_result(host_job *job)
 {
-    for (uint32_t i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         host_mesh_free(&job->result[i].mesh);
+        host_result_moves(&job->result[i]);
+    }
     for (uint32_t i = 0; i < job->n_targets; i++) {
         free(job->target[i].memory);
         job->target[i].memory = NULL;

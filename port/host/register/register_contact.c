@@ -59,7 +59,7 @@ smr_status host_job_set_fixed(host_job *job)
 typedef struct body {
     const host_mesh *mesh;
     const smr_surface *surface; /* NULL: no triangles */
-    void *memory;               /* owned; NULL for a fixed one */
+    host_result *result;        /* NULL for a fixed one */
     host_box box;
     int failed;
 } body;
@@ -80,7 +80,7 @@ static void build_body(void *arg, uint32_t task, uint32_t worker)
     host_box_add(&b->box, view.xyz, view.n_vertices);
     if (b->surface != NULL || view.n_triangles == 0)
         return;
-    b->surface = host_surface_make(&view, &b->memory);
+    b->surface = host_result_surface(b->result);
     b->failed = b->surface == NULL;
 }
 
@@ -174,6 +174,7 @@ static int measure(host_job *job, body *list)
     for (uint32_t i = 0; i < n_all; i++) {
         const int moves = i < job->model.n_parts;
         list[i].mesh = moves ? &job->result[i].mesh : &c->fixed[i - job->model.n_parts].mesh;
+        list[i].result = moves ? &job->result[i] : NULL;
         list[i].surface = moves ? NULL : c->fixed[i - job->model.n_parts].surface;
     }
     if (n_all > 1u) /* one body touches nothing */
@@ -201,8 +202,6 @@ int host_job_measure_contact(host_job *job, host_error *error)
     const uint32_t n_all = job->model.n_parts + job->contacts.n_fixed;
     body *const list = calloc(n_all + 1u, sizeof *list);
     const int result = list == NULL ? -1 : measure(job, list);
-    for (uint32_t i = 0; list != NULL && i < n_all; i++)
-        free(list[i].memory);
     free(list);
     error->file = "register";
     return result == 0 ? 0 : host_fail(error, "result", "surfaces that can be measured, and free memory for it");

@@ -9,7 +9,7 @@
 typedef struct pair {
     const host_target *target;
     smr_surface *result;
-    void *memory;   /* memory of `result`; owned */
+    void *memory;   /* memory of `result`; owned; NULL for that of one structure */
     uint32_t index; /* index of the target */
     const host_job *job;
 } pair;
@@ -32,12 +32,31 @@ typedef struct room {
     const unsigned char **seen; /* [queries] into flags */
 } room;
 
+smr_surface *host_result_surface(host_result *result)
+{
+    const smr_mesh view = host_mesh_view(&result->mesh);
+    if (result->surface == NULL)
+        result->surface = host_surface_make(&view, &result->memory);
+    return result->surface;
+}
+
+void host_result_moves(host_result *result)
+{
+    free(result->memory);
+    result->memory = NULL;
+    result->surface = NULL;
+}
+
 static void build_result(void *arg, uint32_t task, uint32_t worker)
 {
     pair *const p = (pair *)arg + task;
     host_mesh whole = {0};
     int result = 0;
     (void)worker;
+    if (p->target->users == 1) {
+        p->result = host_result_surface(&p->job->result[p->target->user]);
+        return;
+    }
     for (uint32_t i = 0; result == 0 && i < p->job->model.n_parts; i++)
         if (p->job->result[i].target == p->index)
             result = host_mesh_append(&whole, &p->job->result[i].mesh);
@@ -199,6 +218,7 @@ static int copy_result(host_job *job, uint32_t i, host_error *error)
     const host_mesh *const rest = &job->model.part[i].mesh;
     host_result *const result = &job->result[i];
     error->file = "register";
+    host_result_moves(result);
     if (result->mesh.xyz == NULL && host_mesh_append(&result->mesh, rest) != 0)
         return host_fail_at(error, "structure", i, "free memory");
     if (smr_get_positions(job->state, i, result->mesh.xyz) != SMR_OK ||
@@ -322,6 +342,7 @@ int host_job_keep_start(host_job *job, host_error *error)
     for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const size_t n = 3u * (size_t)job->result[i].mesh.n_vertices;
         memcpy(job->result[i].mesh.xyz, xyz, n * sizeof *xyz);
+        host_result_moves(&job->result[i]);
         job->result[i].report.moved_mean_mm = job->result[i].report.moved_max_mm = 0.0f;
         job->result[i].verdict.expected_error_mm = (double)NAN;
         xyz += n;

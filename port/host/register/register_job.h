@@ -132,8 +132,11 @@ typedef struct host_two_way {
 
 /* The result of one structure. */
 typedef struct host_result {
-    uint32_t target; /* index, or HOST_NO_TARGET: moved by its neighbours only */
-    host_mesh mesh;  /* the registered structure; owned */
+    uint32_t target;             /* index, or HOST_NO_TARGET: moved by its neighbours only */
+    host_mesh mesh;              /* the registered structure; owned */
+    smr_surface *surface;        /* of the mesh; lies in `memory`; NULL: not made since the mesh moved */
+    void *memory;                /* owned */
+    smr_structure_volume volume; /* closed is 0 where it is not known */
     host_folds folds;
     host_two_way area, vertices; /* distances integrated over the area, and over vertices */
     host_stats overlap;          /* to the target, over the area that it shows; n = 0 where it shows nothing */
@@ -227,6 +230,10 @@ void host_job_free(host_job *job);
 
 /* The results' positions as they are now, for measuring. 0, or -1 with the error filled. */
 int host_job_copy_results(host_job *job, host_error *error);
+
+/* The surface of a result, made when it is first asked for; NULL when memory is short. Forgets it: the mesh moves. */
+smr_surface *host_result_surface(host_result *result);
+void host_result_moves(host_result *result);
 
 /* Measures contact and judges the result: fills the verdicts, after host_job_evaluate. 0, or -1, error filled. */
 int host_job_verdict(host_job *job, host_error *error);

@@ -237,8 +237,10 @@ int host_job_prepare(host_job *job, host_error *error)
 
 void host_job_free(host_job *job)
 {
-    for (uint32_t i = 0; job->result != NULL && i < job->model.n_parts; i++)
+    for (uint32_t i = 0; job->result != NULL && i < job->model.n_parts; i++) {
         host_mesh_free(&job->result[i].mesh);
+        host_result_moves(&job->result[i]);
+    }
     for (uint32_t i = 0; i < job->n_targets; i++) {
         host_mesh_free(&job->target[i].mesh);
         free(job->target[i].memory);

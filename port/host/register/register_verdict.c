@@ -281,11 +281,19 @@ static void measure_half(void *arg, uint32_t task, uint32_t worker)
     b->status = smr_get_verdict(b->job->state, SMR_ALL, &b->job->measures);
 }
 
+static void find_volume(void *arg, uint32_t task, uint32_t worker)
+{
+    const host_job *const job = arg;
+    (void)worker;
+    (void)smr_get_structure_volume(job->state, task, &job->result[task].volume);
+}
+
 int host_job_verdict(host_job *job, host_error *error)
 {
     both b = {job, error, 0, SMR_OK};
     const double start = host_seconds();
     host_parallel(&job->port.port, measure_half, &b, 2);
+    host_parallel(&job->port.port, find_volume, job, job->model.n_parts);
     job->measure_s += host_seconds() - start;
     if (b.failed)
         return -1;
