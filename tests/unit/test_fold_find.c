@@ -208,6 +208,30 @@ TEST(test_unfolds)
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
 
+/* A fold that a step of folds has made is opened: the update of the triangles before does not show it. */
+TEST(test_opens_what_moved)
+{
+    const smr_mesh mesh = sheet();
+    for (uint32_t found = 0; found < 2u; found++) {
+        smr *s = start(&mesh, 1);
+        smr_folds *f = &s->folds;
+        const uint32_t v = smr_model_position(s->shared.model, SIDE + SIDE / 2u);
+        s->schedule.repairing = 0;
+        memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
+        smr_triangles_follow(&s->shape, s->shape.x_next);
+        for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
+            smr_triangles_refit(&s->shape, task, 0);
+        f->tally[0].folds.n_open = found;
+        memset(f->marked, 0, s->shared.n);
+        s->shape.x_next[3u * v] += 14.0f;
+        f->marked[v] = 1;
+        smr_fold_open_start(f);
+        for (uint32_t task = 0; task < smr_fold_open_tasks(f); task++)
+            smr_fold_open_pass(f, task, 0);
+        assert_true(f->open.n_passes > 0u);
+    }
+}
+
 /* The items of a pass: all dihedral edges, or the triangles or vertices of the pass' structure, each once. */
 static uint32_t n_seen, seen[64];
 
