@@ -121,6 +121,26 @@ TEST(test_settles)
     assert_int_equal(0, report.converged); /* it still moved */
 }
 
+/* A radius ends when a step falls below settle_share of the way; at half of it while a target holds other bodies. */
+TEST(test_progress_among_other_bodies)
+{
+    smr_config c = smr_config_default();
+    smr_tick_report report;
+    c.motion.settle_share = 0.1f;
+    smr *s = start(&c, 1, 0);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    const float goals = (float)s->forces.totals.n_forces / (float)s->schedule.n_active;
+    for (uint32_t k = 1; k < 12u; k++) {
+        if (k == 5u || k == 10u) /* as near as rounding */
+            continue;
+        s->evolve.mean_mm = 0.01f * (float)k * s->forces.totals.goal_mean * goals;
+        s->forces.surface.target[0].others = 0;
+        assert_int_equal(k < 10u, smr_ending_of(s, 3).spent);
+        s->forces.surface.target[0].others = 1;
+        assert_int_equal(k < 5u, smr_ending_of(s, 3).spent);
+    }
+}
+
 TEST(test_plasticity)
 {
     for (uint32_t every = 0; every < 4u; every++) {
