@@ -5,8 +5,8 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
-#define SMR_FEWEST 3u         /* fewest iterations at a radius whose vertices still move */
-#define SMR_AMONG_OTHERS 0.5f /* factor on settle_share while a target holds other bodies */
+#define SMR_FEWEST 3u      /* fewest iterations at a radius whose vertices still move */
+#define SMR_UNREACHED 0.5f /* factor on settle_share while the model cannot reach some goals */
 
 /* Returns 1 when a radius may end before its last iteration. With tangential smoothing the last radius does not, since
  * rounding would decide when. No radius ends early while volumes change towards their ratios. */
@@ -20,10 +20,10 @@ static int may_end_early(const smr *s)
            s->forces.surface.n_goals_at_begin == 0u || !(s->shared.config.basic.even > 0.0f);
 }
 
-/* Returns 1 when a structure's target holds other bodies: goals that lie on them cancel out at any radius. */
-static int among_others(const smr *s)
+/* Returns 1 when some goals stay far at any radius: they lie on other bodies, or at noisy points of a cloud. */
+static int unreached(const smr *s)
 {
-    uint32_t n = 0;
+    uint32_t n = s->forces.surface.n_clouds_at_begin;
     for (uint32_t i = 0; i < s->shared.n_structures; i++)
         n += s->forces.surface.target[i].others;
     return n > 0u;
@@ -38,8 +38,7 @@ static int stalls(const smr *s, uint32_t radius_iteration)
     const uint32_t first = s->shared.config.schedule.radius_first;
     const smr_force_totals *f = &s->forces.totals; /* vertices without a goal count as at rest */
     const float way = f->goal_mean * (float)f->n_forces / (float)smr_max_u32(s->schedule.n_active, 1u);
-    const float slower = (1.0f - c->momentum) / (1.0f - s->schedule.momentum); /* where momentum restarts */
-    const float least = slower * c->settle_share * (among_others(s) ? SMR_AMONG_OTHERS : 1.0f);
+    const float least = c->settle_share * (unreached(s) ? SMR_UNREACHED : 1.0f);
     const float share = least * smr_model_lists(s->shared.model, first).radius / s->schedule.lists.radius;
     return c->settle_um > 0.0f && share > 0.0f && radius_iteration >= SMR_FEWEST && /* none of a fold repair */
            !smr_at_last_radius(&s->shared, &s->schedule) && may_end_early(s) && s->evolve.mean_mm <= share * way;
