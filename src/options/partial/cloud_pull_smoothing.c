@@ -5,7 +5,7 @@
  * follows the mesh: the far side of a thin wall is near in space. All clouds use the same number of rounds.
  * Small clusters would follow the noise of points. Leave-one-out cross-validation (Stone 1974) tells noise from motion:
  * goals are shortened to the share of each point's pull that the smoothed pulls of the other points predict.
- * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls, one over the points.
+ * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, two over vertices, one over the points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "log/record/log_format.h"
@@ -30,7 +30,7 @@ static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tas
 uint32_t smr_point_spread_tasks(const void *arg)
 {
     const smr_point_spread *p = arg;
-    return p->goals->n_clouds > 0u ? p->shared->n_tasks + p->rounds * round_tasks(p) : 0u;
+    return p->goals->n_clouds > 0u ? 2u * p->shared->n_tasks + p->rounds * round_tasks(p) : 0u;
 }
 
 /* Sets the pull of vertex v to the sum of the points' pulls on v: x, y, z and weight; 0 without a cloud. */
@@ -80,19 +80,21 @@ static void combine(smr_point_spread *p, uint32_t v)
     p->n_reached += pull[3] > 0.0f;
 }
 
-/* Sets each target's `spread`, the mean weight of the vertices that pulls have reached. */
-static void measure(const smr_point_spread *p)
+/* Adds vertices first .. last - 1 of the model to each target's `spread`, the mean weight of those that pulls reach. */
+static void measure(smr_point_spread *p, uint32_t first, uint32_t last)
 {
     for (uint32_t i = 0; i < p->shared->n_structures; i++) {
         const smr_shape_structure *one = &p->shape->structure[i];
-        float sum = 0.0f, n = 0.0f;
-        for (uint32_t k = 0; k < one->n_vertices; k++) {
-            const uint32_t v = smr_model_position(p->shared->model, one->first_vertex + k);
+        const uint32_t begin = one->first_vertex, end = begin + one->n_vertices;
+        float *const spread = &p->goals->target[i].spread;
+        for (uint32_t k = smr_max_u32(first, begin); k < smr_min_u32(last, end); k++) {
+            const uint32_t v = smr_model_position(p->shared->model, k);
             const float weight = p->memory.pull[4u * (size_t)v + 3u];
-            sum += weight;
-            n += weight > 0.0f ? 1.0f : 0.0f;
+            *spread = weight + (k > begin ? *spread : 0.0f);
+            p->n_reached = (weight > 0.0f) + (k > begin ? p->n_reached : 0u);
+            if (k + 1u == end)
+                *spread /= smr_max((float)p->n_reached, 1.0f);
         }
-        p->goals->target[i].spread = n > 0.0f ? sum / n : 0.0f;
     }
 }
 
@@ -102,8 +104,6 @@ static void end_round(smr_point_spread *p)
     const float r = (float)p->rounds, points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);
     if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && points < SMR_REACH_POINTS * (float)p->n_reached))
         p->rounds++;
-    else
-        measure(p);
     p->n_reached = 0;
 }
 
@@ -119,6 +119,11 @@ static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task < n) {
         for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(p->shared, task); v++)
             take(p, v);
+        return;
+    }
+    if (task >= n + p->rounds * round_tasks(p)) {
+        const uint32_t chunk = task - n - p->rounds * round_tasks(p);
+        measure(p, chunk * SMR_CHUNK, smr_chunk_end(p->shared, chunk));
         return;
     }
     const uint32_t at = (task - n) % round_tasks(p);
