@@ -45,7 +45,7 @@ static void take(smr_point_spread *p, uint32_t v)
     if (surface == NULL || !smr_is_cloud(surface))
         return;
     smr_pull_sum(p->goals, v, sum);
-    for (uint32_t i = 0; i < 4u; i++)
+    for (uint32_t i = 0; i < 4u && sum[3] > 0; i++) /* weights that round to 0 have no goal */
         pull[i] = (float)sum[i] * (1.0f / SMR_PULL_SCALE);
     p->weight += pull[3];
     const smr_vec pulled = smr_load(pull), step = smr_sub(smr_get3(p->shape->x, v), smr_get3(p->shape->x_next, v));
@@ -156,12 +156,13 @@ static void compare(smr_point_spread *p, const smr_goal *goal, uint32_t j)
     const uint32_t *const t = smr_model_triangle(p->shared, k);
     float at[3], s[4] = {0, 0, 0, 0};
     const smr_vec pull = pull_of(p, goal, j, t, at), r = smr_beyond_noise(p->goals, pull);
-    const float weight = smr_target_area(goal->surface, j) * smr_outlier_weight(p->goals, goal, j, smr_dot(pull, pull));
+    const float r2 = smr_dot(pull, pull);
+    const float weight = smr_target_area(goal->surface, j) * smr_outlier_weight(p->goals, goal, j, r2);
     for (uint32_t c = 0; c < 3u; c++)
         for (uint32_t i = 0; i < 4u; i++)
             s[i] += at[c] * p->memory.pull[4u * (size_t)t[c] + i];
     const float own = weight / (SMR_OWN_FIRST + SMR_OWN_ROUND * (float)p->rounds);
-    if (!(weight > 0.0f) || !(own < SMR_OWN_MOST * s[3]))
+    if (smr_reject_distance(p->goals, r2) || !(weight > 0.0f) || !(own < SMR_OWN_MOST * s[3]))
         return;
     const smr_vec n = smr_get3(p->shape->triangle_normal, k);
     const smr_vec others = smr_scale(smr_sub(smr_load(s), smr_scale(r, own)), 1.0f / (s[3] - own));
@@ -178,14 +179,17 @@ static void compare(smr_point_spread *p, const smr_goal *goal, uint32_t j)
 static void set_share(const smr_point_spread *p, const smr_goal *goal)
 {
     const float edges = p->goals->schedule->lists.radius / smr_max(smr_le_float(p->shared->model->edge_mm), 1.0e-6f);
-    const float in_cluster = p->goals->target[goal->structure].spread * SMR_CLUSTER_VERTICES * edges * edges;
     const float in_reach = p->compared / smr_max(p->own, SMR_POINTS_TINY);
-    const float counts = smr_min(in_reach / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
     const float predicted =
         p->square > 0.0f ? smr_clamp(p->product / smr_max(p->square, SMR_POINTS_TINY), 0.0f, 1.0f) : 1.0f;
-    for (uint32_t i = 0; i < p->shared->n_structures; i++)
-        if (p->goals->target[i].surface == goal->surface)
-            p->goals->target[i].share = 1.0f - counts * (1.0f - predicted);
+    for (uint32_t i = 0; i < p->shared->n_structures; i++) {
+        smr_target *target = &p->goals->target[i];
+        if (target->surface != goal->surface)
+            continue;
+        const float in_cluster = target->spread * SMR_CLUSTER_VERTICES * edges * edges;
+        const float counts = smr_min(in_reach / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
+        target->share = 1.0f - counts * (1.0f - predicted);
+    }
 }
 
 static uint32_t comparing_tasks(const smr_goal *goal)
