@@ -26,7 +26,8 @@ static void forces_end(smr *s)
     if (s->forces.surface.clouds == NULL)
         return;
     s->forces.surface.clouds->view(&s->forces.surface);
-    if (s->forces.surface.clouds->swings(&s->forces.points))
+    const int alone = !smr_tracks(&s->schedule) && !s->forces.image.has_image; /* tracking limits momentum itself */
+    if (alone && s->forces.surface.clouds->swings(&s->forces.points))
         s->schedule.momentum = 0.0f; /* a restart, as of accelerated gradients (O'Donoghue and Candes 2015) */
 }
 
