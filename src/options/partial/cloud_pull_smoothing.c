@@ -148,7 +148,7 @@ static smr_vec pull_of(const smr_point_spread *p, const smr_goal *goal, uint32_t
 }
 
 /* Adds to the sums how the pull of point j along the normal goes with the smoothed pulls of the other points. */
-static void compare(smr_point_spread *p, const smr_goal *goal, uint32_t j)
+static void compare_point(smr_point_spread *p, const smr_goal *goal, uint32_t j)
 {
     const uint32_t slot = goal->first_warm + j, k = p->goals->target_warm[slot];
     if (p->goals->target_residual[slot] == SMR_RESIDUAL_NONE || k >= p->shared->n_triangles)
@@ -216,7 +216,7 @@ static void compare_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         p->product = p->square = p->own = p->compared = 0.0f;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_POINT_CHUNK, goal->n_vertices);
     for (uint32_t j = task * SMR_POINT_CHUNK; j < last; j++)
-        compare(p, goal, j);
+        compare_point(p, goal, j);
     if (last == goal->n_vertices)
         set_share(p, goal);
 }
@@ -237,13 +237,13 @@ static int cloud_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement, f
 }
 
 /* Returns 1 when pulls oppose the last displacements. */
-static int swings(const smr_point_spread *p)
+static int pulls_oppose(const smr_point_spread *p)
 {
     return p->goals->n_clouds > 0u && p->along < -SMR_SWINGS * SMR_SQRT(p->pulls * p->steps);
 }
 
-const smr_cloud_calls smr_clouds = {cloud_goal,         spread_pulls, swings, compare_pulls, smr_visibility_note_view,
-                                    smr_points_checksum};
+const smr_cloud_calls smr_clouds = {
+    cloud_goal, spread_pulls, pulls_oppose, compare_pulls, smr_visibility_note_view, smr_points_checksum};
 
 void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
 {
