@@ -994,8 +994,8 @@ typedef struct smr_motion_config {
     /* um, [0, 100000000], default 1. A radius ends early when the largest displacement falls below this. The last
      * radius does not end early while `even` acts on a target surface and a vertex moves. 0: none ends early. */
     float settle_um;
-    /* share, [0, 1], default 0.1, 0. A radius before the last ends, too, when the mean displacement of an iteration
-     * falls below settle_share * first radius / radius of the mean way to goals; half with clouds or other bodies. */
+    /* share, [0, 1], default 0.1, 0. A radius before the last ends, too, when an iteration's mean displacement falls
+     * below settle_share * first radius / radius of the mean distance to goals; half with clouds or other bodies. */
     float settle_share;
     /* 0 or 1, default 1. 1: at the last two radii folds are repaired, and displacements that would fold triangles are
      * limited; at the last radius remaining folded edges are opened. */

@@ -42,7 +42,7 @@ static float apart(const smr *a, const smr *b)
     return rig_mean_far(rig_positions(a, a->shared.model), rig_positions(b, b->shared.model), source.n_vertices);
 }
 
-/* Bodies of one to five times the model's area beside it: the model ends where it ends without them. */
+/* Bodies of one to five times the model's area beside it: the model ends where an equal schedule ends without them. */
 TEST(test_other_bodies)
 {
     smr_verdict verdict;

@@ -121,8 +121,9 @@ TEST(test_settles)
     assert_int_equal(0, report.converged); /* it still moved */
 }
 
-/* A radius ends when a step falls below settle_share of the way; at half of it while a target holds other bodies. */
-TEST(test_progress_among_other_bodies)
+/* A radius ends when a step falls below settle_share of the distance to goals; at half of it with other bodies or
+ * clouds. */
+TEST(test_progress_with_unreached_goals)
 {
     smr_config c = smr_config_default();
     smr_tick_report report;
@@ -138,6 +139,10 @@ TEST(test_progress_among_other_bodies)
         assert_int_equal(k < 10u, smr_ending_of(s, 3).spent);
         s->forces.surface.target[0].others = 1;
         assert_int_equal(k < 5u, smr_ending_of(s, 3).spent);
+        s->forces.surface.target[0].others = 0;
+        s->forces.surface.n_clouds_at_begin = 1;
+        assert_int_equal(k < 5u, smr_ending_of(s, 3).spent);
+        s->forces.surface.n_clouds_at_begin = 0;
     }
 }
 
