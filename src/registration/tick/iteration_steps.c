@@ -7,7 +7,7 @@
 
 /* Restarts momentum where points pull the model back, as accelerated gradients do (O'Donoghue and Candes 2015). Not in
  * tracking, which limits momentum itself, and not beside an image. */
-static void points_end(smr *s)
+static void cloud_end(smr *s)
 {
     if (!smr_tracks(&s->schedule) && !s->forces.image.has_image && s->forces.surface.clouds->swings(&s->forces.points))
         s->schedule.momentum = 0.0f;
@@ -164,7 +164,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_STEP(CALLER, FORCES, TASKS, 30, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
     SMR_SERIAL_STEP(PLAIN, FORCES, TASKS, 90, forces.surface, smr_outlier_tasks, smr_outlier_sum, NULL),
-    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 50, forces.points, smr_point_spread_tasks, smr_point_spread_run, points_end),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 50, forces.points, smr_point_spread_tasks, smr_point_spread_run, cloud_end),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 50, forces.points, smr_point_share_tasks, smr_point_share_run, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 90, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve,
                     NULL),
