@@ -22,7 +22,7 @@
 #define SMR_IMAGE_ROUNDS 1u    /* the same in a partly shown model: wrong goals would feed back on size2 */
 #define SMR_IMAGE_MOST 4.0f    /* largest squared observation / their mean, which is found in SMR_IMAGE_MEANS rounds */
 #define SMR_IMAGE_MEANS 8u
-#define SMR_IMAGE_SIZE 1.7f     /* size2 / that mean */
+#define SMR_IMAGE_SIZE 1.4f     /* size2 / that mean */
 #define SMR_NOISE_SHARE 0.64f   /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.06f   /* variance across / process' variance, at invisible vertices near visible ones */
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */

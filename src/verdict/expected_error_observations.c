@@ -9,7 +9,7 @@
 #define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
 #define SMR_NORMAL_LENGTH 0.5f    /* kernel length divided by the diagonal of the structure's box */
 #define SMR_NORMAL_NOISE 0.01f    /* assumed noise variance / field's variance, for the bend and the first size2 */
-#define SMR_NOISE_POINTS 1.6f     /* growth of the number of points averaged / points of a cloud for a visible vertex */
+#define SMR_NOISE_POINTS 0.25f    /* points that a vertex averages in all iterations / points that a goal averages */
 #define SMR_NORMAL_MOTIONS 8.0f   /* variance of shift, turn, scale (at a kernel length) / field's variance */
 
 /* Places arrays in the memory of sums and records, which is free between iterations. Returns the number of observations
@@ -154,9 +154,8 @@ void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 /* Returns the share of the variance of a cloud's noise that is left: vertices follow the mean of several points. */
 static float after_averaging(const smr_judgement *j)
 {
-    const uint32_t visible = j->s->forces.surface.target[j->structure].n_visible;
-    const uint32_t n = visible > 0u ? visible : smr_judged(j)->n_vertices;
-    return j->by == SMR_BY_CLOUD ? 1.0f / (1.0f + SMR_NOISE_POINTS * j->residual.weight / (float)n) : 1.0f;
+    const float averaged = SMR_NOISE_POINTS * j->s->forces.surface.target[j->structure].in_reach;
+    return j->by == SMR_BY_CLOUD ? 1.0f / (1.0f + averaged) : 1.0f;
 }
 
 /* Adds the noise of visible vertices; the last task sets the noise variance. */

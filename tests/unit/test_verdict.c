@@ -205,25 +205,36 @@ TEST(test_part)
     for (uint32_t k = 0; k < 4u; k++) { /* part or whole, little or more expected */
         v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 2.2f : 2.7f);
         for (int whole = 0; whole < 2; whole++) {
-            smr_judge(&v, 4.0f, whole, 0.0f);
+            smr_judge(&v, 4.0f, whole, 0.0f, 1.0f);
             assert_int_equal(k == 1u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
             assert_int_equal(k == 1u ? SMR_REASON_LITTLE_VISIBLE : 0u, v.reasons);
         }
     }
     v = fair(0.02f, 2.7f);
     v.target_covered = v.normals_agree = -1.0f;
-    smr_judge(&v, 4.0f, 1, 0.0f);
+    smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* landmarks alone */
     v = fair(0.7f, 2.7f);
     v.target_covered = v.normals_agree = -1.0f;
     v.goals_share = v.image_similarity = 0.95f;
-    smr_judge(&v, 4.0f, 1, 0.0f);
+    smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* an image */
     for (uint32_t k = 0; k < 4u; k++) {
         v = fair(k < 2u ? 0.7f : 0.9f, 1.0f);
         v.scale = k % 2u == 0u ? 1.05f : 1.07f;
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(k == 1u ? SMR_REASON_SCALE : 0u, v.reasons);
+    }
+}
+
+/* What is noise in a residual gives no doubt. */
+TEST(test_residual_of_noise)
+{
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_verdict v = fair(0.99f, 1.0f);
+        v.residual_mm = 1.6f;
+        smr_judge(&v, 4.0f, 1, 0.0f, k == 0u ? 1.0f : 0.5f);
+        assert_int_equal(k == 0u ? SMR_REASON_RESIDUAL : 0u, v.reasons);
     }
 }
 
@@ -235,7 +246,7 @@ TEST(test_together)
         v = fair(k < 2u ? 0.99f : 0.9f, 1.0f);
         v.target_covered = 0.6f;
         v.rotation_deg = k % 2u == 0u ? 0.0f : 16.0f;
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
         assert_int_equal((k == 0u ? 0u : SMR_REASON_UNCOVERED) | (k % 2u == 0u ? 0u : SMR_REASON_ROTATION), v.reasons);
     }
@@ -243,7 +254,7 @@ TEST(test_together)
         v = fair(0.99f, 1.0f);
         v.target_covered = k == 0u ? 0.3f : k == 3u ? 0.8f : 0.66f;
         v.bend_mm = k % 2u == 0u ? 8.0f : 12.3f;
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(k < 2u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
     }
     for (uint32_t k = 0; k < 2u; k++) { /* four reasons, or five */
@@ -253,7 +264,7 @@ TEST(test_together)
         v.volume_ratio = 1.3f;
         v.bend_mm = 21.0f;
         v.scale = k == 0u ? 1.0f : 1.3f;
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : SMR_VERDICT_FAILED, v.level);
     }
     for (uint32_t k = 0; k < 4u; k++) { /* on a surface or in an image that is like the reference, or in another */
@@ -264,7 +275,7 @@ TEST(test_together)
             v.goals_share = 0.95f;
             v.image_similarity = k == 2u ? 0.9f : 0.7f;
         }
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_LOOK : k == 2u ? SMR_VERDICT_GOOD : SMR_VERDICT_FAILED, v.level);
     }
     for (uint32_t k = 0; k < 2u; k++) { /* the whole target, or the most of it */
@@ -272,7 +283,7 @@ TEST(test_together)
         v.rotation_deg = 16.0f;
         v.stretch = 0.048f;
         v.volume_ratio = 0.76f;
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(k == 0u ? SMR_VERDICT_GOOD : SMR_VERDICT_LOOK, v.level);
     }
 }
@@ -294,7 +305,7 @@ TEST(test_strain)
         v.strain = all[i].strain;
         if (!all[i].surface)
             v.target_covered = v.normals_agree = -1.0f;
-        smr_judge(&v, 4.0f, 1, 0.0f);
+        smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
         assert_int_equal(all[i].reasons, v.reasons);
     }
 }
@@ -339,7 +350,7 @@ TEST(test_each_measure)
             if (all[i].kind == IMAGE)
                 v.goals_share = v.image_similarity = 0.95f;
             memcpy((unsigned char *)&v + all[i].at, &value, sizeof value);
-            smr_judge(&v, 4.0f, 1, 0.0f);
+            smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
             if (v.level != level || v.reasons != (level == SMR_VERDICT_GOOD ? 0u : all[i].reason))
                 fail_msg("row %zu: %g is level %u for %x", i, (double)value, v.level, v.reasons);
         }
@@ -370,7 +381,7 @@ TEST(test_probability)
             v = fair(1.0f, 0.5f);
             const float measure = all[i].best + (all[i].worst - all[i].best) * (float)k / 50.0f;
             memcpy((char *)&v + all[i].at, &measure, sizeof measure);
-            smr_judge(&v, 4.0f, 1, 0.0f);
+            smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
             assert_true(v.probability >= 0.0f && v.probability <= before && (k > 0u || v.probability > 0.9f));
             assert_int_equal(v.probability > SMR_PROBABILITY_GOOD, v.level == SMR_VERDICT_GOOD);
             assert_int_equal(v.probability < SMR_PROBABILITY_FAILED, v.level == SMR_VERDICT_FAILED);
@@ -381,11 +392,11 @@ TEST(test_probability)
     }
     v = fair(0.9f, 1.0f);
     v.residual_mm = NAN;
-    smr_judge(&v, 4.0f, 1, 0.0f);
+    smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
     assert_true(v.level == SMR_VERDICT_FAILED && v.reasons == SMR_REASON_RESIDUAL);
     v = fair(0.9f, 5.0f);
     v.rotation_deg = 14.5f;
-    smr_judge(&v, 4.0f, 1, 0.0f);
+    smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
     assert_int_equal(SMR_VERDICT_LOOK, v.level);
     assert_true((v.reasons & SMR_REASON_ROTATION) != 0u && v.probability < SMR_PROBABILITY_GOOD);
 }

@@ -1,8 +1,9 @@
 /* cloud_pull_smoothing.c: smooths the pulls of a cloud's points over the mesh, which averages noise and gives goals to
  * vertices between points: a normalised convolution (Knutsson and Westin 1993). In each round a vertex keeps half of
  * its pull and weight and takes half of its mesh neighbours' mean. Displacements are smoothed, not positions, so the
- * model keeps its fine shape. Rounds continue until several points lie within reach of each reached vertex. Smoothing
- * follows the mesh: the far side of a thin wall is near in space. All clouds use the same number of rounds.
+ * model keeps its fine shape. Rounds go on until several points, and a fiftieth of the smallest structure with a cloud,
+ * lie within reach of each reached vertex. Smoothing follows the mesh: the far side of a thin wall is near in space.
+ * All clouds use the same number of rounds.
  * Small clusters would follow the noise of points. Leave-one-out cross-validation (Stone 1974) tells noise from motion:
  * goals are shortened to the share of each point's pull that the smoothed pulls of the other points predict.
  * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, two over vertices, one over the points.
@@ -13,7 +14,8 @@
 
 #define SMR_ROUNDS_LEAST 2u   /* smallest number of rounds of smoothing */
 #define SMR_ROUNDS_MAX 12u    /* largest number of rounds of smoothing */
-#define SMR_REACH_POINTS 4.0f /* mean number of points within reach of a vertex at which rounds of smoothing end */
+#define SMR_REACH_POINTS 4.0f /* smallest mean number of points within reach of a vertex, where ROUNDS_MAX allow */
+#define SMR_REACH_PARTS 50.0f /* number of vertices of the smallest structure with a cloud / within reach, at most */
 #define SMR_POINT_CHUNK 64u   /* number of points in a task that compares pulls with those of other points */
 
 /* A point's share in the smoothed pulls where it lies: its weight / (FIRST + ROUND * rounds) / the weight there. On a
@@ -98,11 +100,23 @@ static void measure(smr_point_spread *p, uint32_t first, uint32_t last)
     }
 }
 
+/* Returns the number of vertices of the smallest structure with a cloud. */
+static uint32_t smallest_part(const smr_point_spread *p)
+{
+    uint32_t n = p->shared->n;
+    for (uint32_t i = 0; i < p->shared->n_structures; i++)
+        if (p->goals->target[i].surface != NULL && smr_is_cloud(p->goals->target[i].surface))
+            n = smr_min_u32(n, p->shape->structure[i].n_vertices);
+    return n;
+}
+
 /* Ends a round of smoothing and decides whether another follows. A pull reaches about 3 r (r + 1) + 1 vertices in r. */
 static void end_round(smr_point_spread *p)
 {
-    const float r = (float)p->rounds, points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);
-    if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && points < SMR_REACH_POINTS * (float)p->n_reached))
+    const float r = (float)p->rounds, reach = 3.0f * r * (r + 1.0f) + 1.0f;
+    const int few = p->weight * reach < SMR_REACH_POINTS * (float)p->n_reached;
+    const int near = SMR_REACH_PARTS * reach < (float)p->n_smallest;
+    if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && (few || near)))
         p->rounds++;
     p->n_reached = 0;
 }
@@ -114,6 +128,7 @@ static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task == 0u) {
         p->rounds = 1;
         p->n_reached = 0;
+        p->n_smallest = smallest_part(p);
         p->weight = p->along = p->pulls = p->steps = 0.0f;
     }
     if (task < n) {
@@ -169,6 +184,7 @@ static void compare_point(smr_point_spread *p, const smr_goal *goal, uint32_t j)
     const float is = smr_dot(n, r), predicted = smr_dot(n, others);
     p->product += weight * is * predicted;
     p->square += weight * predicted * predicted;
+    p->pulled += weight * is * is;
     p->own += weight * own / s[3];
     p->compared += weight;
 }
@@ -182,10 +198,13 @@ static void set_share(const smr_point_spread *p, const smr_goal *goal)
     const float in_reach = p->compared / smr_max(p->own, SMR_POINTS_TINY);
     const float predicted =
         p->square > 0.0f ? smr_clamp(p->product / smr_max(p->square, SMR_POINTS_TINY), 0.0f, 1.0f) : 1.0f;
+    const float agreed = p->pulled > 0.0f ? smr_positive(p->product) / smr_max(p->pulled, SMR_POINTS_TINY) : 1.0f;
     for (uint32_t i = 0; i < p->shared->n_structures; i++) {
         smr_target *target = &p->goals->target[i];
         if (target->surface != goal->surface)
             continue;
+        target->agreed = smr_min(agreed, 1.0f);
+        target->in_reach = in_reach;
         const float in_cluster = target->spread * SMR_CLUSTER_VERTICES * edges * edges;
         const float counts = smr_min(in_reach / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
         target->share = 1.0f - counts * (1.0f - predicted);
@@ -213,7 +232,7 @@ static void compare_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     for (; task >= comparing_tasks(goal); goal++)
         task -= comparing_tasks(goal);
     if (task == 0u)
-        p->product = p->square = p->own = p->compared = 0.0f;
+        p->product = p->square = p->pulled = p->own = p->compared = 0.0f;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_POINT_CHUNK, goal->n_vertices);
     for (uint32_t j = task * SMR_POINT_CHUNK; j < last; j++)
         compare_point(p, goal, j);

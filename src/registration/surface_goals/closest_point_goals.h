@@ -25,6 +25,8 @@ typedef struct smr_target {
     uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
     float share;                  /* cloud: 0..1, share of displacements to goals that the model follows */
+    float agreed;                 /* cloud: 0..1, share of the squared pulls of points that other points show, too */
+    float in_reach;               /* cloud: mean number of points that a goal averages; 0: too few to tell */
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
     uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
