@@ -353,7 +353,7 @@ uint32_t smr_self_test(void);
 #define SMR_REASON_EXPECTED 4u        /* expected_error_mm is high */
 #define SMR_REASON_UNCOVERED 8u       /* target_covered is low */
 #define SMR_REASON_NORMALS 16u        /* normals_agree is low */
-#define SMR_REASON_RESIDUAL 32u       /* residual_mm is high compared with the model's edge lengths */
+#define SMR_REASON_RESIDUAL 32u       /* residual_mm, beyond a cloud's noise, is high beside the edge lengths */
 #define SMR_REASON_SCALE 64u          /* scale is far from 1 */
 #define SMR_REASON_STRAIN 128u        /* strain or stretch is high */
 #define SMR_REASON_VOLUME 256u        /* volume_ratio is far from 1 */
