@@ -10,7 +10,7 @@
 #define SMR_NOT_GOOD_SHARE 0.5f /* the whole is not good if structures not good hold a larger share of vertices */
 #define SMR_NOT_KEPT UINT32_MAX /* level of a verdict on a structure that was not made */
 #define SMR_APART 0.819f        /* cosine of 35 degrees: structures that have turned farther apart are not good */
-#define SMR_AGREED_LEAST 0.25f  /* smallest part of a residual that counts: noise leaves errors, too */
+#define SMR_MISFIT_LEAST 0.33f  /* smallest part of a residual that counts: noise leaves errors, too */
 
 const char *smr_reason_text(uint32_t bit)
 {
@@ -68,19 +68,24 @@ static void add_doubt(smr_verdict *verdict, uint32_t reason)
     verdict->probability = smr_min(verdict->probability, SMR_DOUBTFUL);
 }
 
-/* Returns the part of the residual, 0..1, that is not noise: neighbouring points of clouds agree on it. */
-static float agreed_on(const smr *s, uint32_t structure)
+/* Returns the part of a structure's residual, 0..1, that is not a cloud's noise; 0 without a residual. */
+static float misfit_of(const smr *s, uint32_t i)
 {
-    float sum = 0.0f, n = 0.0f;
-    for (uint32_t i = 0; i < s->shared.n_structures; i++) {
-        const smr_target *target = &s->forces.surface.target[i];
-        if ((structure != SMR_ALL && i != structure) || target->surface == NULL)
-            continue;
-        const float agreed = smr_is_cloud(target->surface) ? SMR_SQRT(target->agreed) : 1.0f;
-        sum += (float)target->n_vertices * smr_max(agreed, SMR_AGREED_LEAST);
-        n += (float)target->n_vertices;
-    }
-    return n > 0.0f ? sum / n : 1.0f;
+    const smr_target *target = &s->forces.surface.target[i];
+    if (target->surface != NULL)
+        return smr_is_points(target->surface) ? SMR_SQRT(smr_points_agree(target)) : 1.0f;
+    return smr_image_on(&s->forces.image) || smr_follows_landmarks(s, i) || smr_caller_has_goals(&s->forces.caller, i)
+               ? 1.0f
+               : 0.0f;
+}
+
+/* Returns that part of a structure's residual, or for SMR_ALL the largest part of all structures. */
+static float most_misfit(const smr *s, uint32_t structure)
+{
+    float most = structure == SMR_ALL ? 0.0f : misfit_of(s, structure);
+    for (uint32_t i = 0; structure == SMR_ALL && i < s->shared.n_structures; i++)
+        most = smr_max(most, misfit_of(s, i));
+    return smr_max(most, SMR_MISFIT_LEAST);
 }
 
 /* Computes the verdict on a structure or on the whole model (SMR_ALL) from its measures. */
@@ -109,7 +114,7 @@ static void conclude(const smr_judgement *j, uint32_t structure, const smr_evide
     verdict->subjects_ratio = smr_mean_of(e->strange, -1.0f);
     smr_measure_moved(j, structure, e, verdict);
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u,
-              smr_mean_of(e->strays, -1.0f), agreed_on(s, structure));
+              smr_mean_of(e->strays, -1.0f), most_misfit(s, structure));
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
     if (e->hidden.weight > SMR_HIDDEN_SHARE * e->expected.weight && smr_mean_of(e->hidden, 0.0f) > SMR_HIDDEN_MOST)
         add_doubt(verdict, SMR_REASON_LITTLE_VISIBLE);

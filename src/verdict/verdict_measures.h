@@ -241,8 +241,8 @@ smr_run_task smr_factor_rows, smr_round_end, smr_errors_find, smr_errors_add;
 
 /* Sets probability, level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures.
  * strays: share of a cloud's points that are outliers; below 0: no cloud.
- * agreed: 0..1, part of the residual that is not noise. */
-void smr_judge(smr_verdict *verdict, float edge_mm, int whole, float strays, float agreed);
+ * misfit: 0..1, part of the residual that is not noise. */
+void smr_judge(smr_verdict *verdict, float edge_mm, int whole, float strays, float misfit);
 
 /* Returns three values of stored vertex v, mm: expected error, its part across and its part along the surface; below 0:
  * unknown. The values lie in the memory of records behind the rings. */

@@ -124,7 +124,7 @@ static void take_bend(const smr_verdict *v, float *m)
     m[BEND] = v->bend_mm;
 }
 
-static void take_surface(const smr_verdict *v, float edge_mm, float agreed, float *m)
+static void take_surface(const smr_verdict *v, float edge_mm, float misfit, float *m)
 {
     take_bend(v, m);
     m[LITTLE] = lacking(v->visible_share);
@@ -133,12 +133,12 @@ static void take_surface(const smr_verdict *v, float edge_mm, float agreed, floa
     if (lacking(v->target_covered) > table[UNCOVERED].limit)
         m[BEND] *= SMR_BETWEEN_BODIES; /* a model that lies on parts of two bodies bends from one to the other */
     m[NORMALS] = lacking(v->normals_agree);
-    m[RESIDUAL] = agreed * v->residual_mm / smr_max(edge_mm, 1.0e-6f);
+    m[RESIDUAL] = misfit * v->residual_mm / smr_max(edge_mm, 1.0e-6f);
     m[STRAIN] = v->strain / strain_most(v, edge_mm);
 }
 
 /* Writes the measures to m[MEASURES]; measures that were not taken stay 0. */
-static void take(const smr_verdict *v, float edge_mm, int whole, float strays, float agreed, float *m)
+static void take(const smr_verdict *v, float edge_mm, int whole, float strays, float misfit, float *m)
 {
     const int image = v->goals_share >= 0.0f;
     m[NOTHING] = v->visible_share > 0.0f ? 0.0f : 1.0f;
@@ -153,7 +153,7 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
         m[EXPECTED] = m[SIMILARITY] > table[SIMILARITY].limit ? v->expected_error_mm : 0.0f;
     }
     if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals, but not coverage */
-        take_surface(v, edge_mm, agreed, m);
+        take_surface(v, edge_mm, misfit, m);
     else if (!image && v->residual_mm >= 0.0f) {
         take_bend(v, m);
         m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : 0.0f; /* 1: too few landmarks */
@@ -187,11 +187,11 @@ static uint32_t reasons_of(const float *doubt)
     return reasons;
 }
 
-void smr_judge(smr_verdict *v, float edge_mm, int whole, float strays, float agreed)
+void smr_judge(smr_verdict *v, float edge_mm, int whole, float strays, float misfit)
 {
     const int met = smr_min(smr_min(v->visible_share, v->target_covered), v->normals_agree) > SMR_MET_SHARE;
     float doubt[MEASURES] = {0.0f}, sum = 0.0f;
-    take(v, edge_mm, whole, strays, agreed, doubt);
+    take(v, edge_mm, whole, strays, misfit, doubt);
     for (uint32_t k = 0; k < MEASURES; k++) {
         doubt[k] = doubt_of(k, doubt[k], met);
         sum += doubt[k];

@@ -1,8 +1,8 @@
 /* cloud_pull_smoothing.c: smooths the pulls of a cloud's points over the mesh, which averages noise and gives goals to
  * vertices between points: a normalised convolution (Knutsson and Westin 1993). In each round a vertex keeps half of
  * its pull and weight and takes half of its mesh neighbours' mean. Displacements are smoothed, not positions, so the
- * model keeps its fine shape. Rounds go on until several points, and a fiftieth of the smallest structure with a cloud,
- * lie within reach of each reached vertex. Smoothing follows the mesh: the far side of a thin wall is near in space.
+ * model keeps its fine shape. Rounds go on until several points, and where clouds show the whole a fiftieth of the
+ * smallest structure, lie within reach of each vertex. Smoothing follows the mesh: a thin wall's far side is near.
  * All clouds use the same number of rounds.
  * Small clusters would follow the noise of points. Leave-one-out cross-validation (Stone 1974) tells noise from motion:
  * goals are shortened to the share of each point's pull that the smoothed pulls of the other points predict.
@@ -16,6 +16,7 @@
 #define SMR_ROUNDS_MAX 12u    /* largest number of rounds of smoothing */
 #define SMR_REACH_POINTS 4.0f /* smallest mean number of points within reach of a vertex, where ROUNDS_MAX allow */
 #define SMR_REACH_PARTS 50.0f /* number of vertices of the smallest structure with a cloud / within reach, at most */
+#define SMR_REACH_WHOLE 0.9f  /* share of vertices that pulls reach above which a cloud shows the whole */
 #define SMR_POINT_CHUNK 64u   /* number of points in a task that compares pulls with those of other points */
 
 /* A point's share in the smoothed pulls where it lies: its weight / (FIRST + ROUND * rounds) / the weight there. On a
@@ -26,6 +27,12 @@
 #define SMR_CLUSTER_VERTICES 3.6f /* vertices of a cluster on a regular mesh / square of its radius in edges */
 #define SMR_SWINGS 0.15f          /* cosine of pulls and the opposite of last displacements above which momentum ends */
 #define SMR_POINTS_TINY 1.0e-20f  /* least divisor: compilers divide before they test divisors for 0 */
+
+/* Returns the cluster radius in mean edges. */
+static float radius_edges(const smr_point_spread *p)
+{
+    return p->goals->schedule->lists.radius / smr_max(smr_le_float(p->shared->model->edge_mm), 1.0e-6f);
+}
 
 static uint32_t round_tasks(const smr_point_spread *p) { return smr_triangle_tasks(p->shared) + p->shared->n_tasks; }
 
@@ -100,23 +107,31 @@ static void measure(smr_point_spread *p, uint32_t first, uint32_t last)
     }
 }
 
-/* Returns the number of vertices of the smallest structure with a cloud. */
-static uint32_t smallest_part(const smr_point_spread *p)
+/* Counts the vertices of structures with a cloud and triangles. */
+static void count(smr_point_spread *p)
 {
-    uint32_t n = p->shared->n;
-    for (uint32_t i = 0; i < p->shared->n_structures; i++)
-        if (p->goals->target[i].surface != NULL && smr_is_cloud(p->goals->target[i].surface))
-            n = smr_min_u32(n, p->shape->structure[i].n_vertices);
-    return n;
+    p->n = 0;
+    p->n_smallest = UINT32_MAX;
+    for (uint32_t i = 0; i < p->shared->n_structures; i++) {
+        const smr_surface *surface = p->goals->target[i].surface;
+        const smr_shape_structure *one = &p->shape->structure[i];
+        if (surface == NULL || !smr_is_cloud(surface) || one->tree.n_triangles == 0u)
+            continue;
+        p->n += one->n_vertices;
+        p->n_smallest = smr_min_u32(p->n_smallest, one->n_vertices);
+    }
 }
 
-/* Ends a round of smoothing and decides whether another follows. A pull reaches about 3 r (r + 1) + 1 vertices in r. */
+/* Ends a round of smoothing and decides whether another follows. A pull reaches about 3 r (r + 1) + 1 vertices in r.
+ * Where a cloud shows a part, expected errors follow from the part's bends, which more rounds would take away. */
 static void end_round(smr_point_spread *p)
 {
-    const float r = (float)p->rounds, reach = 3.0f * r * (r + 1.0f) + 1.0f;
-    const int few = p->weight * reach < SMR_REACH_POINTS * (float)p->n_reached;
-    const int near = SMR_REACH_PARTS * reach < (float)p->n_smallest;
-    if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && (few || near)))
+    const float r = (float)p->rounds, edges = radius_edges(p), in_cluster = SMR_CLUSTER_VERTICES * edges * edges;
+    const float reach = 3.0f * r * (r + 1.0f) + 1.0f, reached = (float)p->n_reached;
+    const int few = p->weight * reach < SMR_REACH_POINTS * reached;
+    const int near = SMR_REACH_PARTS * smr_max(reach, in_cluster) < (float)p->n_smallest;
+    const int more = few || (near && reached > SMR_REACH_WHOLE * (float)p->n);
+    if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && more))
         p->rounds++;
     p->n_reached = 0;
 }
@@ -128,7 +143,7 @@ static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task == 0u) {
         p->rounds = 1;
         p->n_reached = 0;
-        p->n_smallest = smallest_part(p);
+        count(p);
         p->weight = p->along = p->pulls = p->steps = 0.0f;
     }
     if (task < n) {
@@ -182,11 +197,12 @@ static void compare_point(smr_point_spread *p, const smr_goal *goal, uint32_t j)
     const smr_vec n = smr_get3(p->shape->triangle_normal, k);
     const smr_vec others = smr_scale(smr_sub(smr_load(s), smr_scale(r, own)), 1.0f / (s[3] - own));
     const float is = smr_dot(n, r), predicted = smr_dot(n, others);
-    p->product += weight * is * predicted;
-    p->square += weight * predicted * predicted;
-    p->pulled += weight * is * is;
-    p->own += weight * own / s[3];
-    p->compared += weight;
+    smr_target *const target = &p->goals->target[smr_model_owner(p->shared->model, t[0])];
+    target->product += weight * is * predicted;
+    target->square += weight * predicted * predicted;
+    target->pulled += weight * is * is;
+    target->own += weight * own / s[3];
+    target->compared += weight;
 }
 
 /* Sets the share of a cloud's goals that the model follows. Large clusters average over their points themselves: only
@@ -194,19 +210,16 @@ static void compare_point(smr_point_spread *p, const smr_goal *goal, uint32_t j)
  * shortened in full. */
 static void set_share(const smr_point_spread *p, const smr_goal *goal)
 {
-    const float edges = p->goals->schedule->lists.radius / smr_max(smr_le_float(p->shared->model->edge_mm), 1.0e-6f);
-    const float in_reach = p->compared / smr_max(p->own, SMR_POINTS_TINY);
-    const float predicted =
-        p->square > 0.0f ? smr_clamp(p->product / smr_max(p->square, SMR_POINTS_TINY), 0.0f, 1.0f) : 1.0f;
-    const float agreed = p->pulled > 0.0f ? smr_positive(p->product) / smr_max(p->pulled, SMR_POINTS_TINY) : 1.0f;
+    const float edges = radius_edges(p);
     for (uint32_t i = 0; i < p->shared->n_structures; i++) {
         smr_target *target = &p->goals->target[i];
         if (target->surface != goal->surface)
             continue;
-        target->agreed = smr_min(agreed, 1.0f);
-        target->in_reach = in_reach;
+        const float predicted = target->square > 0.0f
+                                    ? smr_clamp(target->product / smr_max(target->square, SMR_POINTS_TINY), 0.0f, 1.0f)
+                                    : 1.0f;
         const float in_cluster = target->spread * SMR_CLUSTER_VERTICES * edges * edges;
-        const float counts = smr_min(in_reach / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
+        const float counts = smr_min(smr_points_in_reach(target) / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
         target->share = 1.0f - counts * (1.0f - predicted);
     }
 }
@@ -231,8 +244,11 @@ static void compare_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_goal *goal = p->goals->goal;
     for (; task >= comparing_tasks(goal); goal++)
         task -= comparing_tasks(goal);
-    if (task == 0u)
-        p->product = p->square = p->pulled = p->own = p->compared = 0.0f;
+    for (uint32_t i = 0; task == 0u && i < p->shared->n_structures; i++) {
+        smr_target *target = &p->goals->target[i];
+        if (target->surface == goal->surface)
+            target->compared = target->product = target->pulled = target->square = target->own = 0.0f;
+    }
     const uint32_t last = smr_min_u32((task + 1u) * SMR_POINT_CHUNK, goal->n_vertices);
     for (uint32_t j = task * SMR_POINT_CHUNK; j < last; j++)
         compare_point(p, goal, j);

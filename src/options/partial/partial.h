@@ -51,12 +51,9 @@ typedef struct smr_point_spread {
     smr_spread memory;
     uint32_t rounds;           /* number of smoothing rounds; grows while another one is needed */
     uint32_t n_reached;        /* number of vertices that pulls have reached in the current round */
-    uint32_t n_smallest;       /* number of vertices of the smallest structure with a cloud */
+    uint32_t n, n_smallest;    /* number of vertices of all structures with a cloud, and of the smallest one */
     float weight;              /* sum of the weights of all pulls */
     float along, pulls, steps; /* sums, mm^2: pulls times last displacements; squares of pulls; of last displacements */
-    /* sums over the points of a cloud so far, by weight: of the weights; of pulls along the normal, mm, times what the
-     * other points predict; of squares of the latter and of the former; of points' shares in the smoothed pulls */
-    float compared, product, square, pulled, own;
 } smr_point_spread;
 
 /* Functions for clouds in an iteration. Programs without smr_set_points(), which names them, link none. */

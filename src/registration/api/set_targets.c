@@ -168,7 +168,7 @@ SMR_SELDOM static smr_status set_target(smr *s, uint32_t structure, const smr_su
     for (uint32_t i = first; i < last; i++) {
         g->target[i].surface = surface;
         g->target[i].measured = 0;
-        g->target[i].agreed = 1.0f;
+        g->target[i].compared = g->target[i].product = g->target[i].pulled = g->target[i].own = 0.0f;
     }
     smr_note_target(g, first, last);
     s->schedule.n_set++;

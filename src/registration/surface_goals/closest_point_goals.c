@@ -28,8 +28,8 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
         smr_keep_words(a, &t->others, 1, 1);
         smr_keep_floats(a, &t->scale, 1, 0.0f, SMR_KEPT_MM);
         smr_keep_floats(a, &t->area_share, 1, 0.0f, 1.0f);
-        smr_keep_floats(a, &t->agreed, 1, 0.0f, 1.0f);
-        smr_keep_floats(a, &t->in_reach, 1, 0.0f, FLT_MAX);
+        smr_keep_floats(a, &t->compared, 3, -FLT_MAX, FLT_MAX); /* and product, pulled */
+        smr_keep_floats(a, &t->own, 1, 0.0f, FLT_MAX);
         if (shared->config.track.mode != SMR_TRACK_OFF)
             smr_keep_floats(a, &t->view.x, 3, -SMR_KEPT_UNIT, SMR_KEPT_UNIT);
         g->partial |= t->partial;

@@ -25,15 +25,28 @@ typedef struct smr_target {
     uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
     float share;                  /* cloud: 0..1, share of displacements to goals that the model follows */
-    float agreed;                 /* cloud: 0..1, share of the squared pulls of points that other points show, too */
-    float in_reach;               /* cloud: mean number of points that a goal averages; 0: too few to tell */
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
     uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
     float path;   /* mm: sum of each iteration's largest displacement of the structure since smr_certainties_clear() */
     float moved;  /* mm: largest displacement of the structure in the last iteration */
     smr_vec view; /* cloud: mean normal of the model's visible places; 0: unknown */
+    /* cloud: sums over the points at this structure, by weight: of the weights; of pulls along the normal, mm, times
+     * what the other points predict; of squares of the former and of the latter; of points' shares in smoothed pulls */
+    float compared, product, pulled, square, own;
 } smr_target;
+
+/* Returns the share of the squared pulls of points, 0..1, that other points confirm: the rest is noise. 1: unknown. */
+static inline float smr_points_agree(const smr_target *target)
+{
+    return target->pulled > 0.0f ? smr_clamp(target->product / target->pulled, 0.0f, 1.0f) : 1.0f;
+}
+
+/* Returns the mean number of points that a goal averages; 0: unknown. */
+static inline float smr_points_in_reach(const smr_target *target)
+{
+    return target->own > 0.0f ? target->compared / target->own : 0.0f;
+}
 
 /* A distinct target surface. Several structures may share one. */
 typedef struct smr_goal {
