@@ -25,6 +25,24 @@ static void follow(uint32_t track)
     assert_true(r.details.tracking && r.details.jumped && off_ball(s, &e, FRAMES) < 0.8f);
 }
 
+/* In tracking every vertex searches in every iteration: none keeps a goal when the image turns to one brightness. */
+TEST(test_keeps_no_goals)
+{
+    const size_t bytes = (size_t)RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE * sizeof(float);
+    const scene e = make(SMR_TRACK_REPORT);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
+    (void)until_settled(s);
+    smr_volume image = e.frame[1];
+    float *voxels = memcpy(rig_alloc(bytes), image.voxels, bytes);
+    image.voxels = voxels;
+    assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+    assert_true(rig_run(s, 6).n_forces > 0u);
+    memset(voxels, 0, bytes);
+    const smr_tick_report r = rig_run(s, 1);
+    assert_true(r.details.tracking && r.n_forces == 0u);
+}
+
 TEST(test_follows)
 {
     follow(SMR_TRACK_RECOVER);

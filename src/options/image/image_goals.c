@@ -207,10 +207,10 @@ int smr_image_shows(const smr_image_goals *g, uint32_t v)
 }
 
 /* Returns 1 when the last search for v found a goal, at most image.rest iterations ago, which v has kept since, and v
- * has hardly moved from the position then[at]. */
+ * has hardly moved from the position then[at]; 0 in tracking, which a slow motion would lag behind. */
 static int keeps(const smr_image_goals *g, uint32_t v, const float *then, uint32_t at)
 {
-    const uint32_t rest = g->shared->config.image.rest;
+    const uint32_t rest = g->schedule->tracking ? 0u : g->shared->config.image.rest;
     if (rest == 0u || g->found[v] != SMR_FOUND_GOAL || g->contrast[v] == 0u ||
         !smr_image_seeks(g, smr_model_owner(g->shared->model, v)))
         return 0;
