@@ -108,7 +108,7 @@ static void measure(smr_point_spread *p, uint32_t first, uint32_t last)
 }
 
 /* Counts the vertices of structures with a cloud and triangles. */
-static void count(smr_point_spread *p)
+static void count_parts(smr_point_spread *p)
 {
     p->n = 0;
     p->n_smallest = UINT32_MAX;
@@ -143,7 +143,7 @@ static void spread_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task == 0u) {
         p->rounds = 1;
         p->n_reached = 0;
-        count(p);
+        count_parts(p);
         p->weight = p->along = p->pulls = p->steps = 0.0f;
     }
     if (task < n) {
