@@ -26,7 +26,6 @@
 #define SMR_OWN_MOST 0.8f         /* largest share of a point that other points are compared with */
 #define SMR_CLUSTER_VERTICES 3.6f /* vertices of a cluster on a regular mesh / square of its radius in edges */
 #define SMR_SWINGS 0.15f          /* cosine of pulls and the opposite of last displacements above which momentum ends */
-#define SMR_POINTS_TINY 1.0e-20f  /* least divisor: compilers divide before they test divisors for 0 */
 
 /* Returns the cluster radius in mean edges. */
 static float radius_edges(const smr_point_spread *p)
@@ -59,7 +58,7 @@ static void take(smr_point_spread *p, uint32_t v)
     p->weight += pull[3];
     const smr_vec pulled = smr_load(pull), step = smr_sub(smr_get3(p->shape->x, v), smr_get3(p->shape->x_next, v));
     p->along += smr_dot(pulled, step);
-    p->pulls += smr_dot(pulled, pulled) / smr_max(pull[3], SMR_POINTS_TINY);
+    p->pulls += smr_dot(pulled, pulled) / smr_max(pull[3], SMR_SUM_TINY);
     p->steps += smr_dot(step, step) * pull[3];
 }
 
@@ -216,10 +215,10 @@ static void set_share(const smr_point_spread *p, const smr_goal *goal)
         if (target->surface != goal->surface)
             continue;
         const float predicted = target->square > 0.0f
-                                    ? smr_clamp(target->product / smr_max(target->square, SMR_POINTS_TINY), 0.0f, 1.0f)
+                                    ? smr_clamp(target->product / smr_max(target->square, SMR_SUM_TINY), 0.0f, 1.0f)
                                     : 1.0f;
         const float in_cluster = target->spread * SMR_CLUSTER_VERTICES * edges * edges;
-        const float counts = smr_min(smr_points_in_reach(target) / smr_max(in_cluster, SMR_POINTS_TINY), 1.0f);
+        const float counts = smr_min(smr_points_in_reach(target) / smr_max(in_cluster, SMR_SUM_TINY), 1.0f);
         target->share = 1.0f - counts * (1.0f - predicted);
     }
 }

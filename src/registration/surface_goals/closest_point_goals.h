@@ -14,6 +14,8 @@
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* pulling area, in mean areas of a target vertex, from which on pulls count fully */
 
+#define SMR_SUM_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
+
 typedef struct smr_target {
     const smr_surface *surface;       /* target surface or cloud of a structure; NULL: none */
     uint32_t partial;                 /* 1: goals are weighted by visibility; 0: all goals have full weight */
@@ -39,13 +41,14 @@ typedef struct smr_target {
 /* Returns the share of the squared pulls of points, 0..1, that other points confirm: the rest is noise. 1: unknown. */
 static inline float smr_points_agree(const smr_target *target)
 {
-    return target->pulled > 0.0f ? smr_clamp(target->product / target->pulled, 0.0f, 1.0f) : 1.0f;
+    return target->pulled > 0.0f ? smr_clamp(target->product / smr_max(target->pulled, SMR_SUM_TINY), 0.0f, 1.0f)
+                                 : 1.0f;
 }
 
 /* Returns the mean number of points that a goal averages; 0: unknown. */
 static inline float smr_points_in_reach(const smr_target *target)
 {
-    return target->own > 0.0f ? target->compared / target->own : 0.0f;
+    return target->compared / smr_max(target->own, SMR_SUM_TINY);
 }
 
 /* A distinct target surface. Several structures may share one. */
