@@ -659,7 +659,7 @@ typedef struct smr_image_config {
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge goal: the edge most like the reference's, or steepest */
     uint32_t blend; /* SMR_BLEND_..., default confidence. Weights of profile and edge goals: confidence, or 1 (paper) */
     uint32_t fade;  /* 0 or 1, default 1. 1: forces and momentum fall to 0 at the end, and in mere noise */
-    uint32_t rest;  /* iterations, [0, 60], default 2. A still vertex keeps its goal so long; none does in tracking */
+    uint32_t rest;  /* iterations, [0, 60], default 2. A still vertex keeps its goal so long; 0, or tracking: none */
 } smr_image_config;
 
 /* Returns the defaults for images, whose goals are noisy and far: x^r is set to x less often; more iterations. */
