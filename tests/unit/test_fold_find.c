@@ -232,7 +232,62 @@ TEST(test_opens_what_moved)
     }
 }
 
-/* The items of a pass: all dihedral edges, or the triangles or vertices of the pass' structure, each once. */
+/* Finds folds at x_next and limits them. all 1: no task skips its edges. Returns how often edges were skipped. */
+static uint32_t limit(smr *s, int all)
+{
+    smr_folds *f = &s->folds;
+    uint32_t n_quiet = 0;
+    smr_triangles_follow(&s->shape, s->shape.x_next);
+    for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
+        smr_triangles_refit(&s->shape, task, 0);
+    for (uint32_t task = 0; task < smr_fold_find_tasks(f); task++)
+        smr_fold_find(f, task, 0);
+    smr_fold_find_end(f);
+    for (uint32_t task = 0; task < smr_fold_limit_tasks(f); task++) {
+        f->tally[0].folds.quiet = all ? 0u : f->tally[0].folds.quiet;
+        n_quiet += f->tally[0].folds.quiet != 0u;
+        smr_fold_limit_pass(f, task, 0);
+    }
+    return n_quiet;
+}
+
+/* A registration whose sheet is pleated along x, all pleats almost as sharp as edges may be, and pressed at the end
+ * where x is largest or smallest. */
+static smr *pleated(const smr_mesh *mesh, int large, float mm)
+{
+    smr *s = start(mesh, 1);
+    float x[3 * SIDE * SIDE];
+    for (uint32_t i = 0; i < SIDE * SIDE; i++)
+        smr_store(x + 3u * i, smr_v(3.71f * (float)(i % SIDE), 5.0f * (float)(i / SIDE), i % 2u ? 3.35f : 0.0f));
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, x));
+    s->schedule.repairing = 0;
+    memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
+    for (uint32_t i = 0; i < 4u * SIDE; i++) {
+        const uint32_t column = large ? SIDE - 1u - i % 4u : i % 4u, at = i / 4u * SIDE + column;
+        const float pressed = mm * (float)(4u - i % 4u);
+        s->shape.x_next[3u * smr_model_position(s->shared.model, at)] += large ? -pressed : pressed;
+    }
+    return s;
+}
+
+/* Rounds that skip edges without marked corners move what rounds over all edges move. */
+TEST(test_limit_skips)
+{
+    const smr_mesh mesh = sheet();
+    uint32_t n_quiet = 0, n_moved = 0;
+    for (uint32_t seed = 1; seed < 60u; seed++) {
+        const float mm = 0.05f * (float)seed;
+        smr *s[2] = {pleated(&mesh, seed % 2u, mm), pleated(&mesh, seed % 2u, mm)};
+        for (uint32_t i = 0; i < 2u; i++)
+            n_quiet += limit(s[i], i == 1u);
+        n_moved += s[0]->folds.limit.n_marked;
+        assert_int_equal(s[0]->folds.limit.n_marked, s[1]->folds.limit.n_marked);
+        assert_memory_equal(s[0]->shape.x_next, s[1]->shape.x_next, 3u * SIDE * SIDE * sizeof(float));
+    }
+    assert_true(n_quiet > 100u && n_moved > 100u);
+}
+
+/* The items of a pass, each once: all dihedral edges, the triangles or vertices of the pass' structure, or a list. */
 static uint32_t n_seen, seen[64];
 
 static void see(smr_folds *f, uint32_t from, uint32_t to)
@@ -247,11 +302,11 @@ TEST(test_passes)
     smr_shape_structure structure[2] = {
         {.first_triangle = 0, .tree.n_triangles = 13, .n_vertices = 9},
         {.first_triangle = 13, .tree.n_triangles = 11, .first_vertex = 9, .n_vertices = 7}};
-    const smr_shared shared = {.n_dihedrals = 50};
+    const smr_shared shared = {.n_dihedrals = 50, .n = 16};
     const smr_shape shape = {.structure = structure};
-    smr_folds f = {.shared = &shared, .shape = &shape};
-    static const uint32_t first[] = {0, 13, 9}, n[] = {50, 11, 7};
-    for (uint32_t over = 0; over < 3u; over++) {
+    smr_folds f = {.shared = &shared, .shape = &shape, .limit.n_listed = 5};
+    static const uint32_t first[] = {0, 13, 9, 0}, n[] = {50, 11, 7, 5};
+    for (uint32_t over = 0; over < 4u; over++) {
         const smr_fold_stage stage = {over, 3, see};
         smr_fold_pass pass = {.structure = 1};
         n_seen = 0;

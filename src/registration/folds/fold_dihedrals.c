@@ -7,7 +7,7 @@
 void smr_runs_clear(smr_folds *f)
 {
     memset(f->touched, 0, sizeof f->touched);
-    f->run_bits = f->n_touched = 0;
+    f->run_bits = 0;
     while (f->shared->n_triangles >> f->run_bits >= SMR_RUNS)
         f->run_bits++;
 }
@@ -40,6 +40,8 @@ int smr_fold_run(smr_folds *f, smr_fold_pass *p, const smr_fold_stage *stages)
     } else if (stage->over == SMR_OVER_VERTICES) {
         first = one->first_vertex;
         length = one->n_vertices;
+    } else if (stage->over == SMR_OVER_LISTED) {
+        length = smr_min_u32(f->limit.n_listed, f->shared->n);
     }
     const uint32_t end = smr_min_u32(p->at + stage->chunk, length);
     stage->run(f, first + p->at, first + end);

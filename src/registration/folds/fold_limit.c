@@ -52,6 +52,16 @@ static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_
             corner[3] = b[c];
 }
 
+/* Marks a vertex. Runs of triangles around it, in its structure, must be touched if it had no mark. */
+static void mark(smr_folds *f, uint32_t v, uint8_t bits)
+{
+    if (f->marked[v] == 0u) {
+        f->limit.n_marked++;
+        f->folding[smr_model_owner(f->shared->model, v)] = 1;
+    }
+    f->marked[v] |= bits;
+}
+
 /* Requests that the steps of an edge's corners move towards their mean by `share`, 0..1. */
 static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
 {
@@ -65,13 +75,13 @@ static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
         if (!(f->marked[v] & SMR_REQUESTED)) {
             smr_put3(f->rings.sum, v, smr_v(0, 0, 0));
             f->rings.weight[v] = f->rings.requested[v] = 0.0f;
+            f->rings.listed[smr_index(f->limit.n_listed++, f->shared->n)] = v;
         }
         smr_add3(f->rings.sum, v, smr_scale(mean, share));
         f->rings.weight[v] += share;
         f->rings.requested[v] = smr_max(f->rings.requested[v], share);
-        f->marked[v] = SMR_MARKED | SMR_REQUESTED;
+        mark(f, v, SMR_MARKED | SMR_REQUESTED);
     }
-    f->folding[smr_model_owner(f->shared->model, corner[0])] = 1;
 }
 
 /* Multiplies the steps of an edge's corners by `keep`, 0..1. */
@@ -81,14 +91,14 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
     corners_of(f, h, corner);
     for (uint32_t c = 0; c < 4u; c++) {
         set_step(f, corner[c], smr_scale(step_of(f, corner[c]), keep));
-        f->marked[corner[c]] |= SMR_MARKED;
+        mark(f, corner[c], SMR_MARKED);
         smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
 }
 
 /* Returns the first of the edges from .. to - 1 with a marked corner, and only in or near touched runs unless `all` is
- * 1; to: none. *n_near grows unless no edge up to there has a touched run. */
-static uint32_t next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all, uint32_t *n_near)
+ * 1; to: none. */
+static uint32_t next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all)
 {
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const uint32_t bits = f->run_bits, n = f->shared->n_triangles;
@@ -98,7 +108,6 @@ static uint32_t next_marked(const smr_folds *f, uint32_t from, uint32_t to, int 
         const uint32_t second = smr_index(smr_le32(dihedral[from].bend) & SMR_DIHEDRAL_MASK, n), k = second >> bits;
         if (!all && !(touched[i / 64u] >> (i % 64u) & 1u) && !(touched[k / 64u] >> (k % 64u) & 1u))
             continue;
-        ++*n_near;
         if (smr_any_marked(f, first) || smr_any_marked(f, second))
             break;
     }
@@ -122,26 +131,26 @@ SMR_SHARED static void test(smr_folds *f, const smr_stored_dihedral *h, float ne
     }
 }
 
-/* Tests dihedral edges from .. to - 1, of one task of fold_find.c, in or near runs of triangles with moved corners. A
- * soft round skips all these edges if none had a touched run before and no further run has been touched since. */
+/* Tests dihedral edges from .. to - 1, of one task of fold_find.c, with marked corners in or near touched runs. Skips
+ * all of them if none had a marked corner in a round before and no vertex has been marked since that round began. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const uint32_t round = f->limit.round;
+    const smr_fold_limit *l = &f->limit;
     const uint32_t piece = (uint32_t)1 << (from % SMR_DIHEDRAL_CHUNK / SMR_LOOK_CHUNK);
-    const int soft = round <= SMR_SOFT_ROUNDS;
-    uint32_t n_near = 0; /* 0: no edge has a touched run */
-    if (tally->folds.n_touched != f->n_touched)
+    uint32_t i = from;
+    if (tally->folds.n_marked != l->n_marked)
         tally->folds.quiet = 0;
-    tally->folds.n_touched = f->n_touched;
-    if (round == 0u ? tally->folds.n_bent == 0u : soft && (tally->folds.quiet & piece) != 0u)
+    tally->folds.n_marked = l->n_before;
+    if (l->round == 0u ? tally->folds.n_bent == 0u : (tally->folds.quiet & piece) != 0u)
         return;
-    for (uint32_t i = from; round == 0u && i < to; i++)
+    for (; l->round == 0u && i < to; i++)
         test(f, dihedral + i, smr_refitted_cosine(f, dihedral + i));
-    for (uint32_t i = from; round > 0u && (i = next_marked(f, i, to, !soft, &n_near)) < to; i++)
+    if (i < to && (i = next_marked(f, i, to, l->round > SMR_SOFT_ROUNDS)) == to)
+        tally->folds.quiet |= piece;
+    for (; i < to; i = next_marked(f, i + 1u, to, l->round > SMR_SOFT_ROUNDS))
         test(f, dihedral + i, smr_dihedral_cosine(f, f->shape->x_next, dihedral + i));
-    tally->folds.quiet |= n_near == 0u ? piece : 0u;
 }
 
 static void touch(smr_folds *f, uint32_t triangle, uint32_t last)
@@ -151,12 +160,11 @@ static void touch(smr_folds *f, uint32_t triangle, uint32_t last)
             smr_run_touch(f, triangle);
 }
 
+/* Moves the listed vertices from .. to - 1 as edges requested. */
 static void move(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
-        const uint32_t v = smr_model_position(f->shared->model, i);
-        if (!(f->marked[v] & SMR_REQUESTED))
-            continue;
+        const uint32_t v = smr_index(f->rings.listed[i], f->shared->n);
         const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]), step = step_of(f, v);
         const float requested = f->rings.requested[v];
         set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), requested)));
@@ -165,44 +173,45 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* Continues with the next structure with folds, and after the last one with the next stage. */
-SMR_SELDOM static void next_structure(smr_folds *f, uint32_t stage)
+/* Begins a round of tests. */
+static void begin_round(smr_fold_limit *l, uint32_t round)
+{
+    l->pass.stage = SMR_LIMIT_LOOK;
+    l->round = round;
+    l->most = 0.0f;
+    l->n_listed = 0;
+    l->n_before = l->n_marked;
+}
+
+/* Touches runs of the next structure with vertices marked in this round, from `structure` on; then moves vertices. */
+SMR_SELDOM static void touch_from(smr_folds *f, uint32_t structure)
 {
     smr_fold_limit *l = &f->limit;
-    l->pass.structure = smr_folding_from(f, l->pass.structure);
-    if (l->pass.structure == f->shared->n_structures && stage == SMR_LIMIT_TOUCH) {
-        stage = SMR_LIMIT_MOVE;
-        l->pass.structure = smr_folding_from(f, 0);
-    }
-    l->pass.stage = stage;
+    l->pass.structure = smr_folding_from(f, structure);
+    l->pass.stage = SMR_LIMIT_TOUCH;
     if (l->pass.structure < f->shared->n_structures)
         return;
     l->pass.structure = 0;
-    l->pass.stage = SMR_LIMIT_LOOK;
-    memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding); /* without requests nothing moves */
-    l->round = l->most < SMR_ENOUGH && l->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : l->round + 1u;
-    l->most = 0.0f;
+    l->pass.stage = SMR_LIMIT_MOVE;
+    memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
 }
 
 SMR_SELDOM static void next_pass(smr_folds *f)
 {
     smr_fold_limit *l = &f->limit;
     l->pass.at = 0;
-    if (l->pass.stage != SMR_LIMIT_LOOK) {
-        l->pass.structure++;
-        next_structure(f, l->pass.stage);
-        return;
-    }
-    const int soft = l->round < SMR_SOFT_ROUNDS;
-    l->pass.structure = 0;
-    if (soft && l->most > 0.0f) {
-        next_structure(f, SMR_LIMIT_TOUCH);
-    } else if (soft) {
-        l->round = SMR_SOFT_ROUNDS;
-    } else {
-        l->pass.stage = l->most > 0.0f && ++l->round < SMR_LIMIT_ROUNDS ? SMR_LIMIT_LOOK : SMR_LIMIT_IDLE;
-        l->most = 0.0f;
-    }
+    if (l->pass.stage == SMR_LIMIT_TOUCH)
+        touch_from(f, l->pass.structure + 1u);
+    else if (l->pass.stage == SMR_LIMIT_MOVE)
+        begin_round(l, l->most < SMR_ENOUGH ? SMR_SOFT_ROUNDS : l->round + 1u);
+    else if (l->round < SMR_SOFT_ROUNDS && l->most > 0.0f)
+        touch_from(f, 0);
+    else if (l->round < SMR_SOFT_ROUNDS)
+        begin_round(l, SMR_SOFT_ROUNDS);
+    else if (l->most > 0.0f && l->round + 1u < SMR_LIMIT_ROUNDS)
+        begin_round(l, l->round + 1u);
+    else
+        l->pass.stage = SMR_LIMIT_IDLE;
 }
 
 void smr_fold_limit_start(smr_folds *f)
@@ -217,7 +226,7 @@ uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((cons
 static const smr_fold_stage stages[] = {
     [SMR_LIMIT_LOOK] = {SMR_OVER_DIHEDRALS, SMR_LOOK_CHUNK, look},
     [SMR_LIMIT_TOUCH] = {SMR_OVER_TRIANGLES, SMR_TRIANGLE_CHUNK, touch},
-    [SMR_LIMIT_MOVE] = {SMR_OVER_VERTICES, SMR_TRIANGLE_CHUNK, move},
+    [SMR_LIMIT_MOVE] = {SMR_OVER_LISTED, SMR_TRIANGLE_CHUNK, move},
 };
 
 void smr_fold_limit_pass(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)

@@ -21,8 +21,8 @@ typedef struct smr_fold_pass {
     uint32_t n_done;    /* number of completed tasks of the step in this iteration */
 } smr_fold_pass;
 
-/* Items of a pass: all dihedral edges, or one structure's triangles or vertices. */
-enum { SMR_OVER_DIHEDRALS = 0, SMR_OVER_TRIANGLES, SMR_OVER_VERTICES };
+/* Items of a pass: all dihedral edges, one structure's triangles or vertices, or the vertices with requests. */
+enum { SMR_OVER_DIHEDRALS = 0, SMR_OVER_TRIANGLES, SMR_OVER_VERTICES, SMR_OVER_LISTED };
 
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
@@ -31,8 +31,11 @@ typedef struct smr_fold_repair {
 
 typedef struct smr_fold_limit {
     smr_fold_pass pass;
-    uint32_t round; /* number of complete rounds of requests in this iteration */
-    float most;     /* largest share, 0..1, by which an edge asks to even out its corners' steps in this round */
+    uint32_t round;    /* number of complete rounds of requests in this iteration */
+    uint32_t n_listed; /* number of vertices with requests in this round */
+    uint32_t n_marked; /* number of marked vertices, ... */
+    uint32_t n_before; /* ... and before this round */
+    float most;        /* largest share, 0..1, by which an edge asks to even out its corners' steps in this round */
 } smr_fold_limit;
 
 typedef struct smr_fold_open {
@@ -49,7 +52,7 @@ typedef struct smr_folds {
     smr_rings rings;
     smr_tally *tally;
     uint8_t *marked;           /* [n] not 0: a fold step changes the vertex' position in this iteration */
-    uint32_t *folding;         /* [n_structures] 1: the structure has folds */
+    uint32_t *folding;         /* [n_structures] 1: the structure has folds; limit: vertices marked in this round */
     uint32_t n_dihedral_tasks; /* number of tasks of fold_find.c */
     uint32_t n_guarded;        /* number of vertices that fold steps changed in this iteration */
     uint32_t moved;            /* 1: x_next has changed and the triangles must be updated */
@@ -57,7 +60,6 @@ typedef struct smr_folds {
     smr_fold_limit limit;
     smr_fold_open open;
     uint32_t run_bits;                /* a run is 2^run_bits triangles */
-    uint32_t n_touched;               /* number of bits set in `touched` */
     uint64_t touched[SMR_RUNS / 64u]; /* a bit for each run; 1: repair or limit marked a corner of the run */
 } smr_folds;
 
@@ -139,7 +141,6 @@ void smr_runs_clear(smr_folds *f); /* clears the bits of all runs: no run has a 
 static inline void smr_run_touch(smr_folds *f, uint32_t triangle)
 {
     const uint32_t run = triangle >> f->run_bits;
-    f->n_touched += !(f->touched[run / 64u] >> (run % 64u) & 1u);
     f->touched[run / 64u] |= (uint64_t)1 << (run % 64u);
 }
 

@@ -48,10 +48,10 @@ typedef union smr_tally {
         uint64_t hash; /* sum of the hashes of the vertices */
     } evolve;
     struct {
-        uint32_t n_bent; /* number of dihedral edges that fold or must be limited */
-        uint32_t n_open; /* number of dihedral edges that are folded but were open at rest */
-        uint32_t quiet;  /* a bit for each piece of the edges: none had a touched run when n_touched runs were */
-        uint32_t n_touched;
+        uint32_t n_bent;   /* number of dihedral edges that fold or must be limited */
+        uint32_t n_open;   /* number of dihedral edges that are folded but were open at rest */
+        uint32_t quiet;    /* a bit for each piece of the edges: no edge had a marked corner, ... */
+        uint32_t n_marked; /* ... when so many vertices were marked */
     } folds;
 } smr_tally;
 
@@ -62,6 +62,7 @@ typedef struct smr_rings {
     /* [n][3] tangential smoothing: displacement from the posed rest shape; fold repair: that shape near folds, mm */
     float *displacement;
     float *requested; /* [n] fold limit: largest share that an edge requests; in the memory of displacement */
+    uint32_t *listed; /* [n] fold limit: the vertices with requests in this round; behind requested */
 } smr_rings;
 
 /* Adds value [n][3] of each corner of triangle t to the sums of the other two: a neighbour counts once a triangle. */
@@ -107,6 +108,7 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->rings.weight = o->rings.sum + 3u * (size_t)n;
     o->rings.displacement = o->rings.weight + n;
     o->rings.requested = o->rings.displacement;
+    o->rings.listed = o->record + 5u * (size_t)n;
     o->spread.pull = o->rings.displacement + 3u * (size_t)n;
     o->spread.next = o->spread.pull + 4u * (size_t)n;
     o->spread.count = o->spread.next + 4u * (size_t)n;
