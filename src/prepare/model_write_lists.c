@@ -39,7 +39,7 @@ size_t smr_put_section(smr_writer *w, size_t bytes)
 }
 
 /* Writes an index, l->index_bytes (2 or 4) wide, at offset `at` of the model. */
-static void put_index(smr_list_writer *l, size_t at, uint32_t value)
+static void put_index(const smr_list_writer *l, size_t at, uint32_t value)
 {
     if (l->index_bytes == 2u)
         smr_put16(l->w, at, value);
@@ -55,52 +55,56 @@ void smr_list_block(smr_list_writer *l)
     l->n_blocks++;
 }
 
-/* Appends the vertices in `own` but not in `other` (NULL: empty), as stored numbers, ascending. Returns their number.
- * Within a level, stored numbers ascend along the curve, so vertices are sorted by level alone. */
-static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *own, const uint64_t *other)
+/* Writes the vertices in `own` but not in `other` (NULL: empty), as stored numbers, ascending, from an index of the
+ * list on. Within a level stored numbers ascend along the curve: vertices are sorted by level. Returns their number. */
+static uint32_t put_difference(const smr_list_writer *l, const smr_plan *p, size_t index, const uint64_t *own,
+                               const uint64_t *other)
 {
-    uint32_t n = 0, to[SMR_LEVELS_MAX + 1u] = {0};
-    for (uint32_t w = smr_row_first(own, p->words); w < smr_row_last(own, p->words); w++) {
-        uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]);
-        for (; bits != 0u; bits &= bits - 1u, n++) {
-            const uint32_t v = smr_bit_vertex(p, w * 64u + (uint32_t)__builtin_ctzll(bits));
-            p->member[n] = v;
-            to[p->level[v] + 1u]++;
-        }
-    }
-    for (uint32_t level = 1; level < p->n_levels; level++)
+    const uint32_t first = smr_row_first(own, p->words), last = smr_row_last(own, p->words);
+    uint32_t to[SMR_LEVELS_MAX + 1u] = {0}; /* place of each level's next vertex */
+    for (uint32_t w = first; w < last; w++)
+        for (uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]); bits != 0u; bits &= bits - 1u)
+            to[p->level[smr_bit_vertex(p, w * 64u + (uint32_t)__builtin_ctzll(bits))] + 1u]++;
+    for (uint32_t level = 1; level <= p->n_levels; level++)
         to[level] += to[level - 1u];
-    const size_t first = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
-    const int usual = l->index_bytes == 2u && first + 2u * (size_t)n <= l->w->capacity;
-    for (uint32_t i = 0; i < n; i++) {
-        const uint32_t v = p->member[i], at = to[p->level[v]]++;
-        if (usual)
-            put_half(l->w->model + first + 2u * (size_t)at, p->stored[v]);
-        else
-            put_index(l, first + (size_t)at * l->index_bytes, p->stored[v]);
-    }
-    l->n_indexes += n;
+    const uint32_t n = to[p->n_levels];
+    const size_t at = l->at_indexes + index * l->index_bytes;
+    const int usual = l->index_bytes == 2u && at + 2u * (size_t)n <= l->w->capacity;
+    for (uint32_t w = first; w < last; w++)
+        for (uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]); bits != 0u; bits &= bits - 1u) {
+            const uint32_t v = smr_bit_vertex(p, w * 64u + (uint32_t)__builtin_ctzll(bits));
+            const size_t place = at + (size_t)to[p->level[v]]++ * l->index_bytes;
+            if (usual)
+                put_half(l->w->model + place, p->stored[v]);
+            else
+                put_index(l, place, p->stored[v]);
+        }
     return n;
 }
 
-void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
-                    const uint64_t *parent_row)
+uint32_t smr_entry_indexes(const smr_plan *p, const smr_list_entry *e)
 {
-    const uint32_t count = p->count[vertex];
-    const size_t at = l->at_entries + (size_t)l->n_entries * 4u * l->index_bytes;
-    uint32_t n_plus = 0, n_minus = 0;
-    if (l->w->model == NULL) { /* no memory for the model: only the size is counted */
-        l->n_indexes += parent_row == NULL ? count : smr_row_difference_count(own, parent_row, p->words);
-    } else {
-        n_plus = put_difference(l, p, own, parent_row);
-        n_minus = parent_row == NULL ? 0u : put_difference(l, p, parent_row, own);
-    }
-    l->w->used = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
-    const uint32_t field[4] = {p->stored[vertex], parent, n_plus, n_minus};
+    return e->parent_row == NULL ? p->count[e->vertex] : smr_row_difference_count(e->own, e->parent_row, p->words);
+}
+
+void smr_entry_write(const smr_list_writer *l, const smr_plan *p, const smr_list_entry *e, uint32_t entry, size_t index)
+{
+    const size_t at = l->at_entries + (size_t)entry * 4u * l->index_bytes;
+    if (l->w->model == NULL)
+        return; /* no memory for the model: only the size is counted */
+    const uint32_t n_plus = put_difference(l, p, index, e->own, e->parent_row);
+    const uint32_t n_minus = e->parent_row == NULL ? 0u : put_difference(l, p, index + n_plus, e->parent_row, e->own);
+    const uint32_t field[4] = {p->stored[e->vertex], e->parent, n_plus, n_minus};
     for (uint32_t i = 0; i < 4u; i++)
         put_index(l, at + i * l->index_bytes, field[i]);
-    put_index(l, l->at_count + (size_t)p->stored[vertex] * l->index_bytes, count);
+    put_index(l, l->at_count + (size_t)p->stored[e->vertex] * l->index_bytes, p->count[e->vertex]);
+}
+
+void smr_list_append(smr_list_writer *l, uint32_t count, uint32_t n_indexes)
+{
     l->n_entries++;
+    l->n_indexes += n_indexes;
+    l->w->used = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
     l->n_members += count;
     l->largest = smr_max_u32(l->largest, count);
     l->smallest = l->smallest == 0u ? count : smr_min_u32(l->smallest, count);

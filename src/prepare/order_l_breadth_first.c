@@ -72,7 +72,9 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
         p->count[v] = smr_row_count(own, p->words);
         if (up != v)
             (void)smr_cluster_row(p, up, radius, parent_row);
-        smr_list_entry(l, p, v, p->entry[up], own, up == v ? NULL : parent_row);
+        const smr_list_entry e = {v, p->entry[up], own, up == v ? NULL : parent_row};
+        smr_entry_write(l, p, &e, l->n_entries, l->n_indexes);
+        smr_list_append(l, p->count[v], smr_entry_indexes(p, &e));
         one_ring(p, v, s_min, ring);
         tail = append_ring(p, v, ring, parent, tail);
         if (head % 1024u == 0u && p->config->progress != NULL &&

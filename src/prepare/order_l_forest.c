@@ -14,6 +14,8 @@ typedef struct block {
     uint32_t first, last; /* vertices first .. last-1 along the curve */
     float radius;         /* radius of the clusters, mm */
     uint32_t n_edges;     /* number of candidate edges of the forest */
+    const smr_list_writer *l;
+    uint32_t entry; /* number of the block's first entry in the list */
 } block;
 
 #define SMR_VERTEX_CHUNK 32u /* number of vertices that a task processes */
@@ -117,7 +119,7 @@ static void sort_edges(smr_plan *p, uint32_t n, uint32_t most)
 /* Writes the minimum spanning tree's edges over block and virtual root (number `size`) to tmp. Returns their number. */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {
-    block all = {p, first, first + size, 0.0f, n_edges};
+    block all = {p, first, first + size, 0.0f, n_edges, NULL, 0};
     p->failed |= !smr_fork(&p->port, weigh_edges, &all, smr_ceil_div(n_edges, SMR_EDGE_CHUNK));
     for (uint32_t v = 0; v < size; v++) {
         p->forest.edge_a[n_edges + v] = v;
@@ -161,16 +163,10 @@ static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
     }
 }
 
-void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius)
+/* Writes the block's vertices to queue[] breadth first from the root, so that parents come before their children. */
+static void order_block(smr_plan *p, uint32_t first, uint32_t size)
 {
-    const uint32_t size = last - first;
-    block all = {p, first, last, radius, 0};
-    p->failed |= !smr_fork(&p->port, fill_rows, &all, smr_ceil_div(size, SMR_VERTEX_CHUNK));
-    if (p->failed)
-        return;
-    link_up(p, size, spanning_tree(p, first, size, candidates(p, first, last)));
-    smr_list_block(l);
-    uint32_t head = 0, tail = 0; /* breadth first from the root, so that parents come before their children */
+    uint32_t head = 0, tail = 0;
     for (uint32_t i = p->forest.link_start[size]; i < p->forest.link_start[size + 1u]; i++) {
         p->forest.parent[p->forest.link[i]] = size;
         p->queue[tail++] = p->forest.link[i];
@@ -178,8 +174,6 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
     while (head < tail) {
         const uint32_t v = p->queue[head], up = p->forest.parent[v];
         p->entry[first + v] = head++;
-        smr_list_entry(l, p, first + v, up == size ? p->entry[first + v] : p->entry[first + up], smr_plan_row(p, v),
-                       up == size ? NULL : smr_plan_row(p, up));
         for (uint32_t i = p->forest.link_start[v]; i < p->forest.link_start[v + 1u]; i++) {
             if (p->forest.link[i] == up)
                 continue;
@@ -187,4 +181,53 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
             p->queue[tail++] = p->forest.link[i];
         }
     }
+}
+
+/* Returns the entry of the block's vertex at this place of the queue. */
+static smr_list_entry entry_at(const block *b, uint32_t place)
+{
+    const smr_plan *p = b->p;
+    const uint32_t v = p->queue[place], up = p->forest.parent[v], root = b->last - b->first;
+    return (smr_list_entry){b->first + v, up == root ? place : p->entry[b->first + up], smr_plan_row(p, v),
+                            up == root ? NULL : smr_plan_row(p, up)};
+}
+
+/* Writes the numbers of indexes of a chunk's entries to key[]. */
+static void count_indexes(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const block *b = arg;
+    const uint32_t from = task * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last - b->first);
+    for (uint32_t i = from; i < to; i++) {
+        const smr_list_entry e = entry_at(b, i);
+        b->p->key[i] = smr_entry_indexes(b->p, &e);
+    }
+}
+
+/* Writes a chunk's entries, whose first indexes are item[]. */
+static void write_entries(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const block *b = arg;
+    const uint32_t from = task * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last - b->first);
+    for (uint32_t i = from; i < to; i++) {
+        const smr_list_entry e = entry_at(b, i);
+        smr_entry_write(b->l, b->p, &e, b->entry + i, b->p->item[i]);
+    }
+}
+
+void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius)
+{
+    const uint32_t size = last - first, n_tasks = smr_ceil_div(size, SMR_VERTEX_CHUNK);
+    block all = {p, first, last, radius, 0, l, l->n_entries};
+    p->failed |= !smr_fork(&p->port, fill_rows, &all, n_tasks);
+    if (p->failed)
+        return;
+    link_up(p, size, spanning_tree(p, first, size, candidates(p, first, last)));
+    order_block(p, first, size);
+    p->failed |= !smr_fork(&p->port, count_indexes, &all, n_tasks);
+    smr_list_block(l);
+    for (uint32_t i = 0; i < size; i++) {
+        p->item[i] = l->n_indexes;
+        smr_list_append(l, p->count[first + p->queue[i]], p->key[i]);
+    }
+    p->failed |= !smr_fork(&p->port, write_entries, &all, n_tasks);
 }

@@ -110,7 +110,6 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->priority.place = smr_arena_take(a, n, u);
     p->priority.witness = smr_arena_take(a, n, u);
     p->priority.next = smr_arena_take(a, n, u);
-    p->member = p->priority.witness;
     p->level = p->priority.next;
     p->touched = p->priority.bucket = smr_arena_take(a, n + 1u, u);
     p->stored = smr_arena_take(a, n, u);

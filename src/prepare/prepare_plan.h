@@ -91,7 +91,6 @@ typedef struct smr_plan {
     uint32_t *entry;     /* [n] index, in the vertex' block, of each vertex' entry of L */
     uint32_t *touched;   /* [n] not 0: a vertex may lie in the cluster's boundary; the memory of priority.bucket */
     uint32_t *n_outside; /* [n] number of boundary vertices beyond the radius of each cluster; the memory of entry */
-    uint32_t *member;    /* [n] vertices of the list being written; the memory of priority.witness */
 
     /* scratch */
     smr_forest forest;
@@ -263,10 +262,21 @@ typedef struct smr_list_writer {
 
 void smr_list_block(smr_list_writer *l); /* begins a block: part of the order L whose parents all lie within it */
 
-/* Appends an entry of L with its zeta+ and zeta-. vertex: curve index; parent: index of the parent's entry in the
- * block; own, parent_row: the rows of the two clusters, parent_row NULL for a root. */
-void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
-                    const uint64_t *parent_row);
+/* An entry of L. */
+typedef struct smr_list_entry {
+    uint32_t vertex;                  /* curve index of the entry's vertex */
+    uint32_t parent;                  /* index of the parent's entry in the block; for a root of its own entry */
+    const uint64_t *own, *parent_row; /* the rows of the two clusters; parent_row NULL for a root */
+} smr_list_entry;
+
+/* Returns the number of indexes in zeta+ and zeta- of the entry. */
+uint32_t smr_entry_indexes(const smr_plan *p, const smr_list_entry *e);
+/* Counts an entry at the list's end. count: |zeta| of its vertex. */
+void smr_list_append(smr_list_writer *l, uint32_t count, uint32_t n_indexes);
+/* Writes the entry with this number, its zeta+ and zeta- from this index of the list on, and |zeta|. Entries can be
+ * written in any order, by several threads. */
+void smr_entry_write(const smr_list_writer *l, const smr_plan *p, const smr_list_entry *e, uint32_t entry,
+                     size_t index);
 /* Writes the boundary pairs of a radius behind its lists, and adds boundary vertices to the largest cluster's size. */
 void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
 /* Writes the clusters of the vertices first .. last-1 along the curve as one block: a minimum spanning forest. */

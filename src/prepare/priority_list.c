@@ -36,17 +36,40 @@ static void change_counts(smr_plan *p, const uint64_t *row, uint32_t change)
     }
 }
 
+/* Clusters of the vertices p->item[first .. last-1], rows first: the argument of a parallel loop. */
+typedef struct cluster_batch {
+    smr_plan *p;
+    uint32_t first, last;
+    float radius; /* mm */
+} cluster_batch;
+
+#define SMR_BATCH_CHUNK 16u /* number of clusters that a task computes */
+
+static void fill_batch(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const cluster_batch *b = arg;
+    const uint32_t from = b->first + task * SMR_BATCH_CHUNK, to = smr_min_u32(from + SMR_BATCH_CHUNK, b->last);
+    for (uint32_t i = from; i < to; i++)
+        (void)smr_cluster_row(b->p, b->p->item[i], b->radius, smr_plan_row(b->p, i - b->first));
+}
+
 /* Computes p->count[j], the number of vertices of zeta_j that are not in S. */
 static smr_status count_remaining(smr_plan *p, float radius)
 {
+    uint32_t n = 0;
     memset(p->count, 0, p->n * sizeof *p->count);
-    for (uint32_t v = 0; v < p->n; v++) {
-        if (p->priority.place[v] != SMR_REMAINS)
-            continue;
-        (void)smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
-        change_counts(p, smr_plan_row(p, 0), 1u);
-        if (stop_requested(p))
-            return SMR_E_ABORTED;
+    for (uint32_t v = 0; v < p->n; v++)
+        if (p->priority.place[v] == SMR_REMAINS)
+            p->item[n++] = v;
+    for (uint32_t first = 0; first < n; first += p->n_rows) {
+        cluster_batch b = {p, first, smr_min_u32(first + p->n_rows, n), radius};
+        if (!smr_fork(&p->port, fill_batch, &b, smr_ceil_div(b.last - first, SMR_BATCH_CHUNK)))
+            return SMR_E_STATE;
+        for (uint32_t i = first; i < b.last; i++) {
+            change_counts(p, smr_plan_row(p, i - first), 1u);
+            if (stop_requested(p))
+                return SMR_E_ABORTED;
+        }
     }
     return SMR_OK;
 }
