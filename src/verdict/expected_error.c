@@ -28,7 +28,7 @@
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */
 #define SMR_BETWEEN_POINTS 2.5f /* the same, between the points of a cloud that has as many points as are listed */
 #define SMR_POINTS_ALONG 0.3f   /* growth of variance along by few points / that across between them */
-#define SMR_NOISE_ALONG 4.0f    /* variance along / variance across, both by the noise of a cloud: vertices slide */
+#define SMR_NOISE_ALONG 4.0f    /* variance along / variance across, both by a cloud's noise as it is not smoothed */
 #define SMR_UNSEEN_ACROSS 2.2f  /* growth of variance across / process' variance, a kernel length from the visible */
 #define SMR_UNSEEN_ALONG 2.5f   /* growth of variance along / process' variance, a kernel length from the visible */
 #define SMR_PARTIAL_ALONG 0.22f /* variance along / process' variance where a regression limits sliding */
@@ -223,7 +223,8 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
     const float open = marks & SMR_JUDGED_POINT ? 0.0f : between; /* a vertex at a point has the noise alone */
     const float across = visible ? open : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + SMR_POINTS_ALONG * between + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
-    const float noise = j->by == SMR_BY_CLOUD ? SMR_NOISE_ALONG * f->across2 : 0.0f;
+    const float points = SMR_NOISE_ALONG * smr_noise_smoothed(&j->s->forces.surface);
+    const float noise = j->by == SMR_BY_CLOUD ? points * f->across2 : 0.0f;
     return (parts){across * f->size2 * variance.across + f->across2,
                    along * f->size2 * variance.along + noise + least * least};
 }

@@ -154,7 +154,8 @@ void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 /* Returns the share of the variance of a cloud's noise that is left: vertices follow the mean of several points. */
 static float after_averaging(const smr_judgement *j)
 {
-    const float averaged = SMR_NOISE_POINTS * smr_points_in_reach(&j->s->forces.surface.target[j->structure]);
+    const smr_surface_goals *g = &j->s->forces.surface;
+    const float averaged = SMR_NOISE_POINTS * smr_noise_smoothed(g) * smr_points_in_reach(&g->target[j->structure]);
     return j->by == SMR_BY_CLOUD ? 1.0f / (1.0f + averaged) : 1.0f;
 }
 

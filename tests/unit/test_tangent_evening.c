@@ -1,5 +1,5 @@
-/* test_tangent_evening.c: at the last radius a spike goes to where its neighbours' mean is, and nothing moves where
- * evening is not allowed.
+/* test_tangent_evening.c: at the last radius a spike goes to where its neighbours' mean is, across the surface where
+ * noisy points show the whole, and nothing moves where evening is not allowed.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
@@ -69,4 +69,45 @@ TEST(test_where)
         spike(1.0f, k, k == 0u, even, 2);
         assert_memory_equal(plain, even, sizeof plain);
     }
+}
+
+/* Across the surface a spike goes by the share of goals that is noise, where points show the whole, and never along. */
+TEST(test_across)
+{
+    smr_config c = quiet();
+    const smr_model *model;
+    smr *s = start(&c, &model, 1);
+    smr_tangent_smooth *e = &s->evolve.tangent_smooth;
+    const uint32_t v = 50;
+    const smr_vec n = smr_get3(s->shape.normal, v);
+    s->forces.surface.target[0].had_target = 1;
+    e->share = 1.0e-6f;
+    for (uint32_t task = 0; task < s->shared.n_tasks; task++)
+        smr_tangent_clear(e, task, 0);
+    for (uint32_t i = 0; i < s->shared.n; i++)
+        smr_put3(e->rings.displacement, i, smr_v(0, 0, 0));
+    smr_put3(e->rings.displacement, v, smr_add(n, smr_v(0.1f, 0.2f, 0.3f)));
+    for (uint32_t task = 0; task < smr_tangent_sum_tasks(e); task++)
+        smr_tangent_sum(e, task, 0);
+    for (uint32_t whole = 0; whole < 2u; whole++)
+        for (uint32_t i = 0; i <= 4u; i++) {
+            const float noise = 0.25f * (float)i, out = 1.0f + smr_dot(n, smr_v(0.1f, 0.2f, 0.3f));
+            s->forces.surface.points_show_all = whole;
+            s->forces.surface.target[0].share = 1.0f - noise;
+            const smr_vec moved = smr_tangent_displacement(e, v);
+            const smr_vec expected = smr_scale(n, whole ? -0.25f * noise * out : 0.0f);
+            assert_true(smr_length(smr_sub(moved, expected)) < 1.0e-5f);
+        }
+}
+
+/* Without noise an iteration leaves the share of goals at 1, also behind clouds that were noisy. */
+TEST(test_share_begins_at_one)
+{
+    smr_config c = quiet();
+    const smr_model *model;
+    smr *s = start(&c, &model, 1);
+    s->forces.surface.target[0].share = 0.0f;
+    smr_guard_close(s);
+    (void)rig_run(s, 1);
+    assert_true(s->forces.surface.target[0].share == 1.0f);
 }

@@ -2,9 +2,12 @@
  * place of a vertex on the surface: clusters are single vertices, and forces are normal to the target. Differences in
  * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. A vertex moves along the
  * surface towards its mesh neighbours' mean displacement, by a share that falls to 0 at the end, and at fold limits.
+ * Where noisy points show the whole it does so across the surface, too: goals of single vertices differ by noise.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
+
+#define SMR_ACROSS 0.25f /* share of uneven motion across the surface that is taken back where goals are noise alone */
 
 void smr_tangent_begin(smr_tangent_smooth *e)
 {
@@ -59,12 +62,14 @@ void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)
 {
-    if (!(e->share > 0.0f) || !e->goals->target[smr_model_owner(e->shared->model, v)].had_target ||
-        !(e->rings.weight[v] > 0.0f))
+    const smr_target *const target = &e->goals->target[smr_model_owner(e->shared->model, v)];
+    if (!(e->share > 0.0f) || !target->had_target || !(e->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec mean = smr_scale(smr_get3(e->rings.sum, v), 1.0f / e->rings.weight[v]);
     const smr_vec displacement = smr_sub(mean, smr_get3(e->rings.displacement, v));
-    const smr_vec n = smr_get3(e->shape->normal, v);
-    const smr_vec along = smr_sub(displacement, smr_scale(n, smr_dot(n, displacement)));
-    return smr_scale(along, e->share * (1.0f - (float)e->limited[v] / SMR_LIMITED_FULL));
+    const smr_vec n = smr_get3(e->shape->normal, v), across = smr_scale(n, smr_dot(n, displacement));
+    const float noise = e->goals->points_show_all ? 1.0f - target->share : 0.0f;
+    const smr_vec along = smr_scale(smr_sub(displacement, across), e->share);
+    const smr_vec both = smr_add(along, smr_scale(across, SMR_ACROSS * noise));
+    return smr_scale(both, 1.0f - (float)e->limited[v] / SMR_LIMITED_FULL);
 }

@@ -26,7 +26,7 @@ typedef struct smr_target {
     uint32_t n_vertices, changes; /* number of vertices, and change counter, of the surface when the target was set */
     uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
-    float share;                  /* cloud: 0..1, share of displacements to goals that the model follows */
+    float share;                  /* 0..1, share of displacements to goals that the model follows; 1 but for clouds */
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
     uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
@@ -95,7 +95,8 @@ typedef struct smr_surface_goals {
     uint32_t n_points;     /* number of points of all clouds */
     uint32_t n_goals_at_begin, n_clouds_at_begin, n_points_at_begin; /* counts when this iteration began */
     uint32_t n_tasks;                                                /* number of tasks of the target-to-model search */
-    const float *spread; /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
+    uint32_t points_show_all; /* 1: pulls reached nearly all vertices of structures with a cloud in the last forces */
+    const float *spread;      /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
     /* members that the search for goals writes */
     uint32_t *warm;      /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next; /* [n] closest target triangle of each vertex in the current forces, which may restart */
@@ -114,6 +115,9 @@ typedef struct smr_surface_goals {
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
     float limit_next;         /* mm: limit by the current forces, which counts once the iteration is complete */
 } smr_surface_goals;
+
+/* Returns by how much smoothing across the surface divides the variance that a cloud's noise leaves there. */
+static inline float smr_noise_smoothed(const smr_surface_goals *g) { return g->points_show_all ? 2.0f : 1.0f; }
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
 /* discards the results of the searches so far, in part k of `parts`; part 0 also what structures have */
