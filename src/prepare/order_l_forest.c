@@ -224,6 +224,8 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
     link_up(p, size, spanning_tree(p, first, size, candidates(p, first, last)));
     order_block(p, first, size);
     p->failed |= !smr_fork(&p->port, count_indexes, &all, n_tasks);
+    if (p->failed)
+        return;
     smr_list_block(l);
     for (uint32_t i = 0; i < size; i++) {
         p->item[i] = l->n_indexes;

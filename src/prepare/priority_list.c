@@ -61,8 +61,9 @@ static smr_status count_remaining(smr_plan *p, float radius)
     for (uint32_t v = 0; v < p->n; v++)
         if (p->priority.place[v] == SMR_REMAINS)
             p->item[n++] = v;
-    for (uint32_t first = 0; first < n; first += p->n_rows) {
-        cluster_batch b = {p, first, smr_min_u32(first + p->n_rows, n), radius};
+    const uint32_t size = smr_min_u32(p->n_rows, SMR_REQUESTED);
+    for (uint32_t first = 0; first < n; first += size) {
+        cluster_batch b = {p, first, smr_min_u32(first + size, n), radius};
         if (!smr_fork(&p->port, fill_batch, &b, smr_ceil_div(b.last - first, SMR_BATCH_CHUNK)))
             return SMR_E_STATE;
         for (uint32_t i = first; i < b.last; i++) {

@@ -108,7 +108,7 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->rings.weight = o->rings.sum + 3u * (size_t)n;
     o->rings.displacement = o->rings.weight + n;
     o->rings.requested = o->rings.displacement;
-    o->rings.listed = o->record + 5u * (size_t)n;
+    o->rings.listed = (uint32_t *)(o->rings.requested + n);
     o->spread.pull = o->rings.displacement + 3u * (size_t)n;
     o->spread.next = o->spread.pull + 4u * (size_t)n;
     o->spread.count = o->spread.next + 4u * (size_t)n;
