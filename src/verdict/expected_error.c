@@ -223,7 +223,7 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
     const float open = marks & SMR_JUDGED_POINT ? 0.0f : between; /* a vertex at a point has the noise alone */
     const float across = visible ? open : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + SMR_POINTS_ALONG * between + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
-    const float points = SMR_NOISE_ALONG * smr_noise_smoothed(&j->s->forces.surface);
+    const float points = SMR_NOISE_ALONG * smr_noise_smoothed(&j->s->evolve.tangent_smooth, j->structure);
     const float noise = j->by == SMR_BY_CLOUD ? points * f->across2 : 0.0f;
     return (parts){across * f->size2 * variance.across + f->across2,
                    along * f->size2 * variance.along + noise + least * least};

@@ -154,8 +154,9 @@ void smr_noise_rings_add(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 /* Returns the share of the variance of a cloud's noise that is left: vertices follow the mean of several points. */
 static float after_averaging(const smr_judgement *j)
 {
-    const smr_surface_goals *g = &j->s->forces.surface;
-    const float averaged = SMR_NOISE_POINTS * smr_noise_smoothed(g) * smr_points_in_reach(&g->target[j->structure]);
+    const float smoothed = smr_noise_smoothed(&j->s->evolve.tangent_smooth, j->structure);
+    const float averaged =
+        SMR_NOISE_POINTS * smoothed * smr_points_in_reach(&j->s->forces.surface.target[j->structure]);
     return j->by == SMR_BY_CLOUD ? 1.0f / (1.0f + averaged) : 1.0f;
 }
 

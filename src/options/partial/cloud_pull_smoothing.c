@@ -129,8 +129,7 @@ static void end_round(smr_point_spread *p)
     const float reach = 3.0f * r * (r + 1.0f) + 1.0f, reached = (float)p->n_reached;
     const int few = p->weight * reach < SMR_REACH_POINTS * reached;
     const int near = SMR_REACH_PARTS * smr_max(reach, in_cluster) < (float)p->n_smallest;
-    p->goals->points_show_all = reached > SMR_REACH_WHOLE * (float)p->n;
-    const int more = few || (near && p->goals->points_show_all);
+    const int more = few || (near && reached > SMR_REACH_WHOLE * (float)p->n);
     if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && more))
         p->rounds++;
     p->n_reached = 0;

@@ -2,12 +2,16 @@
  * place of a vertex on the surface: clusters are single vertices, and forces are normal to the target. Differences in
  * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. A vertex moves along the
  * surface towards its mesh neighbours' mean displacement, by a share that falls to 0 at the end, and at fold limits.
- * Where noisy points show the whole it does so across the surface, too: goals of single vertices differ by noise.
+ * Where points show the whole with much noise for the mesh, it does so across the surface, too, by a fixed share.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
 
-#define SMR_ACROSS 0.25f /* share of uneven motion across the surface that is taken back where goals are noise alone */
+#define SMR_ACROSS 0.25f     /* largest share of uneven motion across the surface that is taken back */
+#define SMR_ACROSS_NONE 0.1f /* noise of points / mean edge up to which nothing is taken back across the surface, ... */
+#define SMR_ACROSS_FULL 0.3f /* ... and from which on the largest share is */
+#define SMR_ACROSS_SHOWN 0.9f /* share of visible vertices above which points show the whole */
+#define SMR_ACROSS_LEAST 350u /* vertices of the smallest structure of which a vertex and its ring are a fiftieth */
 
 void smr_tangent_begin(smr_tangent_smooth *e)
 {
@@ -16,7 +20,7 @@ void smr_tangent_begin(smr_tangent_smooth *e)
     if (c->dynamics.mode || !smr_at_last_radius(e->shared, e->schedule) || e->schedule->tracking ||
         e->schedule->repairing > 0u || e->goals->n_goals == 0u)
         return;
-    const float left = 1.0f - (float)e->schedule->radius_iteration / (float)c->basic.iterations_last;
+    const float left = smr_positive(1.0f - (float)e->schedule->radius_iteration / (float)c->basic.iterations_last);
     e->share = c->basic.even * left * left;
 }
 
@@ -60,16 +64,36 @@ void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_ring_add(&e->rings, smr_model_triangle(e->shared, k), e->rings.displacement);
 }
 
+/* Returns the share of uneven motion across the surface that is taken back at the last radius: 0 without a cloud, where
+ * a cloud shows a part, on small structures, and for little noise. */
+static float across_share(const smr_tangent_smooth *e, uint32_t structure)
+{
+    const smr_target *const t = &e->goals->target[structure];
+    const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
+    if (t->surface == NULL || !smr_is_cloud(t->surface) || !whole ||
+        e->shape->structure[structure].n_vertices < SMR_ACROSS_LEAST)
+        return 0.0f;
+    const float noise = smr_noise_edges(t, smr_le_float(e->shared->model->edge_mm));
+    return SMR_ACROSS * smr_clamp((noise - SMR_ACROSS_NONE) / (SMR_ACROSS_FULL - SMR_ACROSS_NONE), 0.0f, 1.0f);
+}
+
+float smr_noise_smoothed(const smr_tangent_smooth *e, uint32_t structure)
+{
+    const smr_config *c = &e->shared->config;
+    const int acts = c->basic.even > 0.0f && !c->dynamics.mode && smr_at_last_radius(e->shared, e->schedule) &&
+                     !e->schedule->tracking;
+    return acts ? 1.0f + across_share(e, structure) / SMR_ACROSS : 1.0f;
+}
+
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)
 {
-    const smr_target *const target = &e->goals->target[smr_model_owner(e->shared->model, v)];
-    if (!(e->share > 0.0f) || !target->had_target || !(e->rings.weight[v] > 0.0f))
+    const uint32_t owner = smr_model_owner(e->shared->model, v);
+    if (!(e->share > 0.0f) || !e->goals->target[owner].had_target || !(e->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec mean = smr_scale(smr_get3(e->rings.sum, v), 1.0f / e->rings.weight[v]);
     const smr_vec displacement = smr_sub(mean, smr_get3(e->rings.displacement, v));
     const smr_vec n = smr_get3(e->shape->normal, v), across = smr_scale(n, smr_dot(n, displacement));
-    const float noise = e->goals->points_show_all ? 1.0f - target->share : 0.0f;
-    const smr_vec along = smr_scale(smr_sub(displacement, across), e->share);
-    const smr_vec both = smr_add(along, smr_scale(across, SMR_ACROSS * noise));
-    return smr_scale(both, 1.0f - (float)e->limited[v] / SMR_LIMITED_FULL);
+    const float kept = 1.0f - (float)e->limited[v] / SMR_LIMITED_FULL, noise = across_share(e, owner);
+    const smr_vec along = smr_scale(smr_sub(displacement, across), e->share * kept);
+    return noise > 0.0f ? smr_add(along, smr_scale(across, noise * kept)) : along;
 }

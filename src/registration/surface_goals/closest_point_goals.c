@@ -18,7 +18,6 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
     smr_keep_floats(a, &g->limit, 1, 0.0f, FLT_MAX);
     smr_keep_words(a, &g->n_clouds_at_begin, 1, shared->n_structures);
     smr_keep_words(a, &g->n_points_at_begin, 1, UINT32_MAX);
-    smr_keep_words(a, &g->points_show_all, 1, 1);
     g->partial = 0;
     for (uint32_t i = 0; smr_keeps(a) && i < shared->n_structures; i++) {
         smr_target none = {0}, *t = g->target == NULL ? &none : &g->target[i];

@@ -26,7 +26,7 @@ typedef struct smr_target {
     uint32_t n_vertices, changes; /* number of vertices, and change counter, of the surface when the target was set */
     uint32_t guard, body;         /* checksums of the surface's header; of its memory, where the scrub is on */
     float spread;                 /* cloud: mean weight of the vertices that points pull */
-    float share;                  /* 0..1, share of displacements to goals that the model follows; 1 but for clouds */
+    float share;                  /* cloud: 0..1, share of displacements to goals that the model follows */
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
     uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
@@ -49,6 +49,13 @@ static inline float smr_points_agree(const smr_target *target)
 static inline float smr_points_in_reach(const smr_target *target)
 {
     return target->compared / smr_max(target->own, SMR_SUM_TINY);
+}
+
+/* Returns the noise of a cloud's points along the normal / the mesh's mean edge: what no other points confirm. */
+static inline float smr_noise_edges(const smr_target *target, float edge_mm)
+{
+    const float noise2 = target->pulled * (1.0f - smr_points_agree(target)) / smr_max(target->compared, SMR_SUM_TINY);
+    return target->compared > 0.0f ? SMR_SQRT(smr_positive(noise2)) / smr_max(edge_mm, 1.0e-6f) : 0.0f;
 }
 
 /* A distinct target surface. Several structures may share one. */
@@ -95,8 +102,7 @@ typedef struct smr_surface_goals {
     uint32_t n_points;     /* number of points of all clouds */
     uint32_t n_goals_at_begin, n_clouds_at_begin, n_points_at_begin; /* counts when this iteration began */
     uint32_t n_tasks;                                                /* number of tasks of the target-to-model search */
-    uint32_t points_show_all; /* 1: pulls reached nearly all vertices of structures with a cloud in the last forces */
-    const float *spread;      /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
+    const float *spread; /* [n][4] structures with a cloud: sum of the points' pulls, mm, and weight */
     /* members that the search for goals writes */
     uint32_t *warm;      /* [n] closest target triangle of each vertex in the last complete forces; SMR_NONE: none */
     uint32_t *warm_next; /* [n] closest target triangle of each vertex in the current forces, which may restart */
@@ -115,9 +121,6 @@ typedef struct smr_surface_goals {
     float limit;              /* mm: longer displacements are rejected as outliers; 0: no limit, as after new inputs */
     float limit_next;         /* mm: limit by the current forces, which counts once the iteration is complete */
 } smr_surface_goals;
-
-/* Returns by how much smoothing across the surface divides the variance that a cloud's noise leaves there. */
-static inline float smr_noise_smoothed(const smr_surface_goals *g) { return g->points_show_all ? 2.0f : 1.0f; }
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
 /* discards the results of the searches so far, in part k of `parts`; part 0 also what structures have */

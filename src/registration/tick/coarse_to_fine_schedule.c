@@ -32,10 +32,8 @@ static void begin_targets(smr_surface_goals *g)
     g->n_goals_at_begin = g->n_goals;
     g->n_clouds_at_begin = g->n_clouds;
     g->n_points_at_begin = g->n_points;
-    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
         g->target[i].had_target = g->target[i].surface != NULL;
-        g->target[i].share = 1.0f; /* until a cloud's points are compared */
-    }
 }
 
 SMR_SELDOM void smr_place_reset(smr *s)
