@@ -11,11 +11,11 @@
 /* A block of vertices, as the argument of parallel loops, whose tasks write only the results of their own chunks. */
 typedef struct block {
     smr_plan *p;
-    uint32_t first, last; /* vertices first .. last-1 along the curve */
-    float radius;         /* radius of the clusters, mm */
-    uint32_t n_edges;     /* number of candidate edges of the forest */
-    const smr_list_writer *l;
-    uint32_t entry; /* number of the block's first entry in the list */
+    uint32_t first, last;     /* vertices first .. last-1 along the curve */
+    float radius;             /* radius of the clusters, mm */
+    uint32_t n_edges;         /* number of candidate edges of the forest */
+    const smr_list_writer *l; /* list of the radius; NULL: the loop does not write it */
+    uint32_t entry;           /* number of the block's first entry in the list */
 } block;
 
 #define SMR_VERTEX_CHUNK 32u /* number of vertices that a task processes */
