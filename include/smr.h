@@ -146,7 +146,7 @@ typedef struct smr_basic_config {
      * result does not depend on the inputs' pose. At 1 the distances between the surfaces become smallest. */
     float slide;
     /* share, [0, 1], default 0.5. Share of a vertex' motion along the surface, relative to its neighbours' motion, that
-     * is undone at the last radius with a target; it falls to 0 at the end. Above 0, points' noise is smoothed, too. */
+     * is undone at the last radius with a target; it falls to 0 at the end. Above 0, noise is smoothed, too. */
     float even;
 } smr_basic_config;
 

@@ -7,6 +7,12 @@
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/surface/mesh.h"
 
+/* Sums over a mesh's vertices that tell its noise (surface_noise.c). */
+typedef struct smr_surface_noise {
+    float n, size;         /* number of vertices that count; sum of the sizes of their offsets, mm */
+    float square, product; /* sums of squared offsets, and of offset times mean offset of the neighbours, mm^2 */
+} smr_surface_noise;
+
 /* Progress of building or refitting a surface. */
 typedef struct smr_surface_work {
     smr_mesh mesh;      /* the caller's mesh; in a refit only its positions are read */
@@ -18,9 +24,10 @@ typedef struct smr_surface_work {
     uint32_t changes;                /* change counter of the cloud when the build began */
     smr_box box;                     /* box around the vertices checked so far, mm */
     float area;                      /* sum of area[] of the vertices visited so far, mm^2 */
-    smr_order order;                 /* sort of the triangles into tree order */
-    float *middle;                   /* [n_triangles][3] centres of triangles, times 3, mm */
-    uint32_t *key, *tmp;             /* key [n_triangles], tmp [2 n_triangles]: scratch of sorts and union-find */
+    smr_surface_noise noise;
+    smr_order order; /* sort of the triangles into tree order */
+    float *middle;   /* [n_triangles][3] centres of triangles, times 3, mm; later offsets of vertices from neighbours */
+    uint32_t *key, *tmp; /* key [n_triangles], tmp [2 n_triangles]: scratch of sorts and union-find */
     uint32_t *start;     /* [n_vertices + 1] a triangle of each vertex, or SMR_NONE; earlier stages: scratch */
     uint32_t *around;    /* [at least 3 n_triangles] numbers of the triangles at each vertex, vertex after vertex */
     unsigned char *body; /* [n_triangles] SMR_BODY_...: connected component of each triangle; in around[] */
@@ -36,6 +43,7 @@ struct smr_surface {
     uint32_t n_bodies;     /* number of connected components with more than 1 / SMR_BODY_PART of all triangles */
     uint32_t capacity;     /* largest number of points of a cloud; 0: the surface is a mesh */
     uint32_t changes;      /* number of changes of a cloud's points, or of refits of a mesh */
+    float noise_mm;        /* noise of a mesh's vertices along the normals when it was built, mm; 0 for a cloud */
     float area_mean;       /* mean of area[] over n_used vertices, mm^2; 1 for a cloud */
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box, from which xyz[] counts */
     float *xyz;            /* [n_vertices][3] vertex positions, mm from origin, in the caller's order */
@@ -108,6 +116,7 @@ void smr_closest_group(const smr_box_tree *f, const smr_tree_mask *mask, smr_que
 typedef void smr_surface_stage(smr_surface *s, uint32_t first, uint32_t last);
 smr_surface_stage smr_fragments_forget, smr_fragments_join, smr_fragments_sum, smr_bodies_number, smr_fragments_mark;
 smr_surface_stage smr_fragments_release;
+smr_surface_stage smr_offsets_find, smr_offsets_compare; /* surface_noise.c: these set noise_mm */
 
 /* Returns 1 when the triangle's point with these barycentric weights lies on a border, an edge of one triangle only. */
 uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3]);

@@ -9,6 +9,7 @@
 
 #define SMR_SURFACE_ITEMS 256u /* cost of a unit of work, in items of cost 1 */
 #define SMR_SURFACE_EDGES 4u   /* cost, in items, of counting the triangles of a triangle's edges */
+#define SMR_SURFACE_RING 8u    /* cost, in items, of visiting the triangles around a vertex */
 #define SMR_SURFACE_LEAF 16u   /* cost, in items, of a leaf of the tree */
 #define SMR_SURFACE_NODE 32u   /* cost, in items, of a node above the leaves */
 
@@ -228,19 +229,34 @@ static const struct {
     uint16_t when; /* which work has the stage: 0: builds; 1: builds and refits; 2: copies of clouds */
     uint32_t cost; /* cost of an item of the stage; a unit of work costs SMR_SURFACE_ITEMS */
 } stages[] = {
-    {index_points, OF_TRIANGLES, 2, 1},         {check_vertices, OF_VERTICES, 1, 1},
-    {check_triangles, OF_TRIANGLES, 0, 1},      {copy_vertices, OF_VERTICES, 1, 1},
-    {find_centres, OF_TRIANGLES, 0, 1},         {find_order, OF_ONE, 0, SMR_SURFACE_ITEMS},
-    {copy_triangles, OF_TRIANGLES, 0, 1},       {add_normals, OF_TRIANGLES, 1, 2},
-    {unit_normals, OF_VERTICES, 1, 1},          {clear_counts, OF_VERTICES, 0, 1},
-    {count_corners, OF_TRIANGLES, 0, 1},        {sum_counts, OF_VERTICES, 0, 1},
-    {list_triangles, OF_TRIANGLES, 0, 1},       {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
-    {clear_counts, OF_VERTICES, 0, 1},          {mark_borders, OF_TRIANGLES, 0, 1},
-    {find_corners, OF_TRIANGLES, 0, 1},         {smr_fragments_forget, OF_VERTICES, 0, 1},
-    {smr_fragments_join, OF_TRIANGLES, 0, 2},   {smr_fragments_sum, OF_TRIANGLES, 0, 1},
-    {smr_bodies_number, OF_TRIANGLES, 0, 1},    {smr_fragments_mark, OF_TRIANGLES, 0, 1},
-    {smr_fragments_release, OF_VERTICES, 1, 1}, {fit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
-    {fit_nodes, OF_NODES, 1, SMR_SURFACE_NODE}, {copy_cloud, OF_TRIANGLES, 2, 1},
+    {index_points, OF_TRIANGLES, 2, 1},
+    {check_vertices, OF_VERTICES, 1, 1},
+    {check_triangles, OF_TRIANGLES, 0, 1},
+    {copy_vertices, OF_VERTICES, 1, 1},
+    {find_centres, OF_TRIANGLES, 0, 1},
+    {find_order, OF_ONE, 0, SMR_SURFACE_ITEMS},
+    {copy_triangles, OF_TRIANGLES, 0, 1},
+    {add_normals, OF_TRIANGLES, 1, 2},
+    {unit_normals, OF_VERTICES, 1, 1},
+    {clear_counts, OF_VERTICES, 0, 1},
+    {count_corners, OF_TRIANGLES, 0, 1},
+    {sum_counts, OF_VERTICES, 0, 1},
+    {list_triangles, OF_TRIANGLES, 0, 1},
+    {smr_offsets_find, OF_VERTICES, 0, SMR_SURFACE_RING},
+    {smr_offsets_compare, OF_VERTICES, 0, SMR_SURFACE_RING},
+    {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
+    {clear_counts, OF_VERTICES, 0, 1},
+    {mark_borders, OF_TRIANGLES, 0, 1},
+    {find_corners, OF_TRIANGLES, 0, 1},
+    {smr_fragments_forget, OF_VERTICES, 0, 1},
+    {smr_fragments_join, OF_TRIANGLES, 0, 2},
+    {smr_fragments_sum, OF_TRIANGLES, 0, 1},
+    {smr_bodies_number, OF_TRIANGLES, 0, 1},
+    {smr_fragments_mark, OF_TRIANGLES, 0, 1},
+    {smr_fragments_release, OF_VERTICES, 1, 1},
+    {fit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
+    {fit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
+    {copy_cloud, OF_TRIANGLES, 2, 1},
 };
 
 #define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))

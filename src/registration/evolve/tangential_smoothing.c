@@ -2,14 +2,16 @@
  * place of a vertex on the surface: clusters are single vertices, and forces are normal to the target. Differences in
  * last bits would otherwise stay and grow. Displacements are from the rest shape in its pose. A vertex moves along the
  * surface towards its mesh neighbours' mean displacement, by a share that falls to 0 at the end, and at fold limits.
- * Where points show the whole with much noise for the mesh, it does so across the surface, too, by a fixed share.
+ * Where the target is noisy, it does so across the surface, too, by a share that the noise sets: of a mesh, whose noise
+ * is known when it is built (surface_noise.c), or of points that show the whole with much noise for the mesh.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
 
-#define SMR_ACROSS 0.25f     /* largest share of uneven motion across the surface that is taken back */
-#define SMR_ACROSS_NONE 0.1f /* noise of points / mean edge up to which nothing is taken back across the surface, ... */
-#define SMR_ACROSS_FULL 0.3f /* ... and from which on the largest share is */
+#define SMR_ACROSS 0.25f      /* clouds: largest share of uneven motion across the surface that is taken back */
+#define SMR_ACROSS_NONE 0.1f  /* clouds: noise / mean edge up to which nothing is taken back across the surface, ... */
+#define SMR_ACROSS_FULL 0.3f  /* ... and from which on the largest share is */
+#define SMR_ACROSS_MESH 0.5f  /* meshes: that share, which grows with the noise from 0 on up to SMR_ACROSS_NONE */
 #define SMR_ACROSS_SHOWN 0.9f /* share of visible vertices above which points show the whole */
 #define SMR_ACROSS_LEAST 350u /* vertices of the smallest structure of which a vertex and its ring are a fiftieth */
 
@@ -64,16 +66,20 @@ void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_ring_add(&e->rings, smr_model_triangle(e->shared, k), e->rings.displacement);
 }
 
-/* Returns the share of uneven motion across the surface that is taken back at the last radius: 0 without a cloud, where
- * a cloud shows a part, on small structures, and for little noise. */
+/* Returns the share of uneven motion across the surface that is taken back at the last radius, by the noise that the
+ * target's mesh has; or its points, but for clouds of a part, small structures and little noise. */
 static float across_share(const smr_tangent_smooth *e, uint32_t structure)
 {
     const smr_target *const t = &e->goals->target[structure];
     const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
-    if (t->surface == NULL || !smr_is_cloud(t->surface) || !whole ||
-        e->shape->structure[structure].n_vertices < SMR_ACROSS_LEAST)
+    if (t->surface == NULL)
         return 0.0f;
-    const float noise = smr_noise_edges(t, smr_le_float(e->shared->model->edge_mm));
+    const float edge = smr_le_float(e->shared->model->edge_mm), mesh = t->surface->noise_mm;
+    if (!smr_is_cloud(t->surface))
+        return mesh > 0.0f ? SMR_ACROSS_MESH * smr_min(mesh / smr_max(SMR_ACROSS_NONE * edge, 1.0e-6f), 1.0f) : 0.0f;
+    if (!whole || e->shape->structure[structure].n_vertices < SMR_ACROSS_LEAST)
+        return 0.0f;
+    const float noise = smr_noise_edges(t, edge);
     return SMR_ACROSS * smr_clamp((noise - SMR_ACROSS_NONE) / (SMR_ACROSS_FULL - SMR_ACROSS_NONE), 0.0f, 1.0f);
 }
 

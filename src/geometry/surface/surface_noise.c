@@ -1,0 +1,63 @@
+/* surface_noise.c: measures the noise of a mesh along its normals, from how far vertices are from the mean of their
+ * neighbours. On a smooth surface neighbours are off to the same side, by the curvature; independent noise makes them
+ * be off to opposite sides, for each vertex is in its neighbours' means. So the covariance of a vertex' offset with
+ * its neighbours' tells noise from shape, whatever the curvature. With six neighbours noise of variance 1 has offsets
+ * of variance 7/6 and covariance -5/18. Shape counts as noise only where its correlation is below SMR_SHAPE; on bones
+ * and muscles from CT and MRI it is 0.37 to 0.94. Offsets are limited, so that a few spikes are no noise.
+ * Bounds: SMR_NOISE_AROUND triangles around each vertex, twice.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/surface/surface.h"
+
+#define SMR_NOISE_AROUND 16u /* vertices with more triangles do not count */
+#define SMR_NOISE_LIMIT 4.0f /* largest offset / mean size of offsets */
+#define SMR_SHAPE 0.2f       /* smallest correlation of neighbours' offsets that noise alone does not lower */
+#define SMR_NOISE_SIZE (SMR_SHAPE * 7.0f / 6.0f + 5.0f / 18.0f) /* SMR_SHAPE * variance - covariance of unit noise */
+
+/* Returns the number of triangles around a vertex, or 0 where they are too many. */
+static uint32_t around(const smr_surface *s, uint32_t v)
+{
+    const uint32_t n = s->work.start[v + 1u] - s->work.start[v];
+    return n <= SMR_NOISE_AROUND ? n : 0u;
+}
+
+/* Returns 1 when there is memory for an offset of each vertex. */
+static int has_offsets(const smr_surface *s) { return s->n_vertices / 3u < s->tree.n_triangles && !s->work.index; }
+
+void smr_offsets_find(smr_surface *s, uint32_t first, uint32_t last)
+{
+    if (first == 0u)
+        s->work.noise = (smr_surface_noise){0.0f, 0.0f, 0.0f, 0.0f};
+    for (uint32_t v = first; v < last && has_offsets(s); v++) {
+        const smr_vec p = smr_get3(s->xyz, v);
+        const uint32_t n = around(s, v);
+        smr_vec sum = smr_v(0, 0, 0);
+        for (uint32_t i = 0; i < n; i++) {
+            const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
+            for (uint32_t c = 0; c < 3u; c++)
+                sum = smr_add(sum, smr_sub(smr_get3(s->xyz, t[c]), p)); /* of v itself: 0 */
+        }
+        s->work.middle[v] = n > 0u ? smr_dot(smr_get3(s->normal, v), sum) / (float)(2u * n) : 0.0f;
+        s->work.noise.size += smr_abs(s->work.middle[v]);
+        s->work.noise.n += n > 0u ? 1.0f : 0.0f;
+    }
+}
+
+void smr_offsets_compare(smr_surface *s, uint32_t first, uint32_t last)
+{
+    smr_surface_noise *const noise = &s->work.noise;
+    const float most = SMR_NOISE_LIMIT * noise->size / smr_max(noise->n, 1.0f);
+    for (uint32_t v = first; v < last && has_offsets(s); v++) {
+        const uint32_t n = around(s, v);
+        const float own = smr_clamp(s->work.middle[v], -most, most);
+        float sum = n > 0u ? -(float)n * own : 0.0f; /* each triangle adds it below */
+        for (uint32_t i = 0; i < n; i++) {
+            const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
+            for (uint32_t c = 0; c < 3u; c++)
+                sum += smr_clamp(s->work.middle[t[c]], -most, most);
+        }
+        noise->square += own * own;
+        noise->product += n > 0u ? own * sum / (float)(2u * n) : 0.0f;
+    }
+    const float noise2 = (SMR_SHAPE * noise->square - noise->product) / (SMR_NOISE_SIZE * smr_max(noise->n, 1.0f));
+    s->noise_mm = SMR_SQRT(smr_positive(noise2));
+}

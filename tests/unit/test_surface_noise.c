@@ -1,0 +1,87 @@
+/* test_surface_noise.c: noise of a mesh's vertices is measured whatever the shape, and shape is no noise.
+ * SPDX-License-Identifier: MIT */
+#include "suite.h"
+#include <math.h>
+#include "geometry/surface/surface.h"
+#include "unit_mesh.h"
+
+static float noise_of(const unit_mesh *m)
+{
+    smr_surface *s = unit_surface(m);
+    const float noise = s->noise_mm;
+    rig_free(s);
+    return noise;
+}
+
+/* Moves vertices along their direction from the origin by up to `most` mm, every `step`-th one. */
+static void shake(unit_mesh *m, float most, uint32_t step, uint32_t seed)
+{
+    oracle_random r = oracle_seed(seed);
+    for (uint32_t v = 0; v < m->nv; v += step) {
+        const smr_vec p = smr_get3(m->xyz, v);
+        smr_put3(m->xyz, v, smr_add(p, smr_scale(smr_unit(p), oracle_uniformf(&r, -most, most))));
+    }
+}
+
+TEST(shape_is_no_noise)
+{
+    unit_mesh all[] = {unit_sphere(1, 40, 0), unit_sphere(4, 40, 0), unit_sphere(5, 15, 0), unit_grid(9, 7, 3)};
+    for (uint32_t i = 0; i < 4u; i++) {
+        const float flat = noise_of(&all[i]);
+        for (uint32_t v = 0; v < all[i].nv; v++) /* bulges, and an edge in the middle */
+            all[i].xyz[3u * v + 2u] += 3.0f * sinf(0.1f * all[i].xyz[3u * v]) + 0.5f * fabsf(all[i].xyz[3u * v + 1u]);
+        const float bent = noise_of(&all[i]);
+        assert_true(flat < 1.0e-3f && bent < 1.0e-3f);
+        unit_mesh_free(&all[i]);
+    }
+}
+
+/* Noise far below the curvature's offsets of 0.25 mm is not seen; it is never told larger than it is. */
+TEST(noise_is_measured)
+{
+    for (uint32_t k = 0; k < 6u; k++) {
+        unit_mesh ball = unit_sphere(4, 40, 0);
+        const float most = 0.5f * (float)(k + 1u);
+        shake(&ball, most, 1, k);
+        const float noise = noise_of(&ball), true_noise = most / sqrtf(3.0f);
+        assert_true(noise < 1.1f * true_noise && (k == 0u || noise > (k == 1u ? 0.5f : 0.8f) * true_noise));
+        unit_mesh_free(&ball);
+    }
+}
+
+/* A few spikes are no noise, whatever their height. */
+TEST(spikes_hardly_count)
+{
+    unit_mesh ball = unit_sphere(4, 40, 0);
+    shake(&ball, 30, 97, 1);
+    assert_true(noise_of(&ball) < 0.15f);
+    unit_mesh_free(&ball);
+}
+
+/* Where there is no memory for an offset of each vertex, nothing is measured. */
+TEST(few_triangles)
+{
+    unit_mesh ball = unit_sphere(4, 40, 0);
+    shake(&ball, 1, 1, 5);
+    ball.nt = ball.nv / 3u + 1u;
+    assert_true(noise_of(&ball) > 0.1f);
+    ball.nt = ball.nv / 3u;
+    assert_true(noise_of(&ball) == 0.0f);
+    unit_mesh_free(&ball);
+}
+
+/* A refit keeps what the build has measured. */
+TEST(refits_keep_it)
+{
+    unit_mesh ball = unit_sphere(4, 40, 0);
+    shake(&ball, 1, 1, 5);
+    smr_surface *s = unit_surface(&ball);
+    const float before = s->noise_mm;
+    assert_true(before > 0.4f);
+    shake(&ball, 5, 1, 6);
+    assert_int_equal(SMR_OK, smr_surface_refit(s, ball.xyz));
+    assert_int_equal(SMR_OK, smr_surface_step(s, 0, NULL, 0));
+    assert_true(s->noise_mm == before);
+    rig_free(s);
+    unit_mesh_free(&ball);
+}
