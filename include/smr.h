@@ -530,7 +530,7 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
  * depends on both positions, so a replay refits. Errors: E_NULL, E_STATE (not a complete surface). */
 smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
 
-/* Continues a build or a refit for `units` pieces of work of about 256 vertices or triangles each (0: no limit), or
+/* Continues a build or a refit for `units` pieces of work of at most 256 vertices or triangles each (0: no limit), or
  * until budget_ns have passed by the port's clock (0, or no clock: no limit), to the end of a piece. Limits change
  * no bit. SMR_OK: the surface is complete. SMR_PARTIAL: work is left. Errors: E_NULL, E_STATE (not a surface),
  * E_INPUT (an index, a coordinate, a changed cloud): a built surface is then no surface, a refitted one as before. */

@@ -112,7 +112,7 @@ TEST(test_across)
             if (k == SURFACE)
                 ((smr_surface *)(uintptr_t)t->surface)->noise_mm = noise;
             const int acts = k == WHOLE || k == UNJUDGED;
-            const float out = 1.0f + smr_dot(n, off), own = smr_min(0.25f * (float)i, 0.5f);
+            const float out = 1.0f + smr_dot(n, off), own = smr_clamp(0.3125f * (float)i - 0.125f, 0.0f, 0.5f);
             const float back = k == SURFACE ? own * out : acts || k == UNEVEN ? 0.25f * share * out : 0.0f;
             const smr_vec moved = smr_tangent_displacement(e, v);
             assert_true(smr_length(smr_add(moved, smr_scale(n, back))) < 1.0e-5f);

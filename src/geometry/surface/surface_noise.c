@@ -2,8 +2,9 @@
  * neighbours. On a smooth surface neighbours are off to the same side, by the curvature; independent noise makes them
  * be off to opposite sides, for each vertex is in its neighbours' means. So the covariance of a vertex' offset with
  * its neighbours' tells noise from shape, whatever the curvature. With six neighbours noise of variance 1 has offsets
- * of variance 7/6 and covariance -5/18. Shape counts as noise only where its correlation is below SMR_SHAPE; on bones
- * and muscles from CT and MRI it is 0.37 to 0.94. Offsets are limited, so that a few spikes are no noise.
+ * of variance 7/6 and covariance -5/18. Shape counts as noise where its correlation is below SMR_SHAPE: relief of five
+ * vertices a period or fewer. Bones and muscles from CT and MRI have 0.3 to 0.94, decimated ones, too. Offsets are
+ * limited, so that a few spikes are no noise. The mesh has one noise; a refit keeps it.
  * Bounds: SMR_NOISE_AROUND triangles around each vertex, twice.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
@@ -21,12 +22,10 @@ static uint32_t around(const smr_surface *s, uint32_t v)
 }
 
 /* Returns 1 when there is memory for an offset of each vertex. */
-static int has_offsets(const smr_surface *s) { return s->n_vertices / 3u < s->tree.n_triangles && !s->work.index; }
+static int has_offsets(const smr_surface *s) { return s->n_vertices / 3u < s->tree.n_triangles; }
 
 void smr_offsets_find(smr_surface *s, uint32_t first, uint32_t last)
 {
-    if (first == 0u)
-        s->work.noise = (smr_surface_noise){0.0f, 0.0f, 0.0f, 0.0f};
     for (uint32_t v = first; v < last && has_offsets(s); v++) {
         const smr_vec p = smr_get3(s->xyz, v);
         const uint32_t n = around(s, v);

@@ -8,10 +8,12 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"
 
-#define SMR_ACROSS 0.25f      /* clouds: largest share of uneven motion across the surface that is taken back */
-#define SMR_ACROSS_NONE 0.1f  /* clouds: noise / mean edge up to which nothing is taken back across the surface, ... */
-#define SMR_ACROSS_FULL 0.3f  /* ... and from which on the largest share is */
-#define SMR_ACROSS_MESH 0.5f  /* meshes: that share, which grows with the noise from 0 on up to SMR_ACROSS_NONE */
+#define SMR_ACROSS 0.25f     /* clouds: largest share of uneven motion across the surface that is taken back */
+#define SMR_ACROSS_NONE 0.1f /* clouds: noise / mean edge up to which nothing is taken back across the surface, ... */
+#define SMR_ACROSS_FULL 0.3f /* ... and from which on the largest share is */
+#define SMR_ACROSS_MESH 0.5f /* the same three of meshes, whose noise is known to be noise */
+#define SMR_ACROSS_MESH_NONE 0.02f
+#define SMR_ACROSS_MESH_FULL 0.1f
 #define SMR_ACROSS_SHOWN 0.9f /* share of visible vertices above which points show the whole */
 #define SMR_ACROSS_LEAST 350u /* vertices of the smallest structure of which a vertex and its ring are a fiftieth */
 
@@ -66,21 +68,23 @@ void smr_tangent_sum(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         smr_ring_add(&e->rings, smr_model_triangle(e->shared, k), e->rings.displacement);
 }
 
-/* Returns the share of uneven motion across the surface that is taken back at the last radius, by the noise that the
- * target's mesh has; or its points, but for clouds of a part, small structures and little noise. */
+/* Returns 0 up to `none`, 1 from `full` on. */
+static float ramp(float x, float none, float full) { return smr_clamp((x - none) / (full - none), 0.0f, 1.0f); }
+
+/* Returns the share of uneven motion across the surface that is taken back at the last radius: by a mesh's noise; or by
+ * a cloud's, but where the cloud shows a part, and on small structures. */
 static float across_share(const smr_tangent_smooth *e, uint32_t structure)
 {
     const smr_target *const t = &e->goals->target[structure];
-    const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
+    const float edge = smr_max(smr_le_float(e->shared->model->edge_mm), 1.0e-6f);
     if (t->surface == NULL)
         return 0.0f;
-    const float edge = smr_le_float(e->shared->model->edge_mm), mesh = t->surface->noise_mm;
     if (!smr_is_cloud(t->surface))
-        return mesh > 0.0f ? SMR_ACROSS_MESH * smr_min(mesh / smr_max(SMR_ACROSS_NONE * edge, 1.0e-6f), 1.0f) : 0.0f;
+        return SMR_ACROSS_MESH * ramp(t->surface->noise_mm / edge, SMR_ACROSS_MESH_NONE, SMR_ACROSS_MESH_FULL);
+    const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
     if (!whole || e->shape->structure[structure].n_vertices < SMR_ACROSS_LEAST)
         return 0.0f;
-    const float noise = smr_noise_edges(t, edge);
-    return SMR_ACROSS * smr_clamp((noise - SMR_ACROSS_NONE) / (SMR_ACROSS_FULL - SMR_ACROSS_NONE), 0.0f, 1.0f);
+    return SMR_ACROSS * ramp(smr_noise_edges(t, edge), SMR_ACROSS_NONE, SMR_ACROSS_FULL);
 }
 
 float smr_noise_smoothed(const smr_tangent_smooth *e, uint32_t structure)
