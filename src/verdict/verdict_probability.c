@@ -69,7 +69,7 @@ static const struct {
     [STRETCH] = {SMR_REASON_STRAIN, 0.046f, 0.055f, 0.4f, 1.15f},        /* limits of rms stretch of parts */
     [VOLUME] = {SMR_REASON_VOLUME, 1.2f, 1.25f, 4.0f, 1.09f},            /* limits of volume factor from rest, >= 1 */
     [ROTATION] = {SMR_REASON_ROTATION, 13.0f, 15.5f, 40.0f, 1.15f},      /* limits of a part's rotation, degrees */
-    [BEND] = {SMR_REASON_BEND, 15.0f, 20.0f, 80.0f, 1.0f},               /* limits of bend, mm */
+    [BEND] = {SMR_REASON_BEND, 14.5f, 16.5f, 80.0f, 1.0f},               /* limits of bend, mm */
     [SIMILARITY] = {SMR_REASON_SIMILARITY, 0.12f, 0.15f, 0.5f, 1.0f},    /* limits of 1 - image similarity */
     [STRETCH_IMAGE] = {SMR_REASON_STRAIN, 0.008f, 0.01f, 0.04f, 1.0f},   /* limits of stretch * (1 - similarity) */
     [GOALS] = {SMR_REASON_GOALS, 0.12f, 0.15f, 0.7f, 1.0f},              /* limits of share without a goal */

@@ -223,6 +223,24 @@ TEST(test_pose_of_a_part)
     }
 }
 
+/* A mesh's noise has made vertices slide. */
+TEST(test_noisy_mesh)
+{
+    const smr_surface *goal[2], *far;
+    smr_verdict v[2];
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr *s = start(NULL, goal, &far);
+        ((smr_surface *)(uintptr_t)goal[0])->noise_mm = (float)k;
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal[0]));
+        (void)rig_run(s, 40);
+        for (uint32_t i = 0; i < 3u * s->shared.n; i++) /* uneven */
+            s->shape.x[i] += 0.2f * (float)(i * 7u % 5u);
+        smr_guard_close(s);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v[k]));
+    }
+    assert_true(v[1].expected_along_mm > 1.001f * v[0].expected_along_mm);
+}
+
 /* Structures that have turned far against each other are in doubt together, but not in tracking. */
 TEST(test_structures_turned_apart)
 {
