@@ -28,7 +28,7 @@
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */
 #define SMR_BETWEEN_POINTS 2.5f /* the same, between the points of a cloud that has as many points as are listed */
 #define SMR_POINTS_ALONG 0.3f   /* growth of variance along by few points / that across between them */
-#define SMR_NOISE_ALONG 4.0f    /* variance along / variance across, both by a target's noise as it is not smoothed */
+#define SMR_NOISE_ALONG 4.0f    /* variance along / variance across, both by a cloud's noise as it is not smoothed */
 #define SMR_UNSEEN_ACROSS 2.2f  /* growth of variance across / process' variance, a kernel length from the visible */
 #define SMR_UNSEEN_ALONG 2.5f   /* growth of variance along / process' variance, a kernel length from the visible */
 #define SMR_PARTIAL_ALONG 0.22f /* variance along / process' variance where a regression limits sliding */
@@ -212,11 +212,11 @@ static float between_points(const smr_judgement *j)
     return j->by == SMR_BY_CLOUD ? SMR_BETWEEN_POINTS * listed * listed : 0.0f;
 }
 
-/* Returns the factor on the noise's variance along: by how much a cloud's was smoothed; 1 for a mesh's in full. */
+/* Returns variance along / variance across, both by noise: a cloud's as before smoothing, a mesh's as it is. */
 static float noisy(const smr_judgement *j)
 {
     const float smoothed = smr_noise_smoothed(&j->s->evolve.tangent_smooth, j->structure);
-    return j->by == SMR_BY_CLOUD ? smoothed : 0.5f * (smoothed - 1.0f);
+    return j->by == SMR_BY_CLOUD ? SMR_NOISE_ALONG * smoothed : 0.5f * (smoothed - 1.0f);
 }
 
 /* Returns v's squared errors from the process' variances. far2: squared distance to observations in kernel lengths. */
@@ -231,7 +231,7 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
     const float across = visible ? open : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + SMR_POINTS_ALONG * between + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
     return (parts){across * f->size2 * variance.across + f->across2,
-                   along * f->size2 * variance.along + SMR_NOISE_ALONG * noisy(j) * f->across2 + least * least};
+                   along * f->size2 * variance.along + noisy(j) * f->across2 + least * least};
 }
 
 /* Variances and displacements of places, from the observations. */
