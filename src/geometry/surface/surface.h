@@ -24,9 +24,9 @@ typedef struct smr_surface_work {
     uint32_t changes;                /* change counter of the cloud when the build began */
     smr_box box;                     /* box around the vertices checked so far, mm */
     float area;                      /* sum of area[] of the vertices visited so far, mm^2 */
-    smr_surface_noise noise;
-    smr_order order; /* sort of the triangles into tree order */
-    float *middle;   /* [n_triangles][3] centres of triangles, times 3, mm; later offsets of vertices from neighbours */
+    smr_surface_noise noise;         /* sums from which noise_mm follows */
+    smr_order order;                 /* sort of the triangles into tree order */
+    float *middle; /* [n_triangles][3] centres of triangles, times 3, mm; later offsets of vertices from neighbours */
     uint32_t *key, *tmp; /* key [n_triangles], tmp [2 n_triangles]: scratch of sorts and union-find */
     uint32_t *start;     /* [n_vertices + 1] a triangle of each vertex, or SMR_NONE; earlier stages: scratch */
     uint32_t *around;    /* [at least 3 n_triangles] numbers of the triangles at each vertex, vertex after vertex */
