@@ -29,9 +29,9 @@
 #define SMR_BETWEEN_POINTS 2.5f /* the same, between the points of a cloud that has as many points as are listed */
 #define SMR_POINTS_ALONG 0.3f   /* growth of variance along by few points / that across between them */
 #define SMR_NOISE_ALONG 4.0f    /* variance along / variance across, both by a cloud's noise as it is not smoothed */
-#define SMR_UNSEEN_ACROSS 2.2f  /* growth of variance across / process' variance, a kernel length from the visible */
-#define SMR_UNSEEN_ALONG 2.5f   /* growth of variance along / process' variance, a kernel length from the visible */
-#define SMR_PARTIAL_ALONG 0.22f /* variance along / process' variance where a regression limits sliding */
+#define SMR_UNSEEN_ACROSS 2.4f  /* growth of variance across / process' variance, a kernel length from the visible */
+#define SMR_UNSEEN_ALONG 6.0f   /* growth of variance along / process' variance, a kernel length from the visible */
+#define SMR_PARTIAL_ALONG 0.16f /* variance along / process' variance where a regression limits sliding */
 #define SMR_ALONG_LEAST 0.05f   /* smallest error along the surface, in mean edge lengths: vertices slide that far */
 #define SMR_NORMAL_MORE 0.5f    /* variance of the motion from the start / square of that motion */
 #define SMR_NORMAL_MOST 4.0e3f  /* largest variance of the motion from the start / field's; beyond: rounding errors */

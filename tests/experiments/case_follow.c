@@ -49,7 +49,7 @@ typedef struct scene {
 
 /* A frame, or means over several. */
 typedef struct frame {
-    double surface, vertex, ticks, residual, seen, jumped;
+    double surface, vertex, expected, ticks, residual, seen, jumped;
 } frame;
 
 static void make_scene(scene *s, char **file)
@@ -268,6 +268,7 @@ static void follow(scene *s, uint32_t number, frame *f)
 {
     void *memory[CASE_BODIES] = {NULL};
     smr_tick_report report = {0};
+    smr_verdict verdict;
     if (s->o.images > 0.0 && number % (uint32_t)s->o.images == 0u) {
         const smr_volume image = make_image(s, share_of(number) * s->o.flex);
         case_check(smr_set_volume(s->run.s, &image));
@@ -280,6 +281,8 @@ static void follow(scene *s, uint32_t number, frame *f)
         case_check(smr_tick(s->run.s, 0, &report));
     for (uint32_t k = 0; k < s->data.n; k++)
         case_check(smr_get_positions(s->run.s, k, s->xyz[k]));
+    case_check(smr_get_verdict(s->run.s, SMR_ALL, &verdict));
+    f->expected = (double)verdict.expected_error_mm;
     case_check(smr_set_surface(s->run.s, SMR_ALL, NULL)); /* their memory goes */
     for (uint32_t k = 0; k < s->data.n; k++)
         free(memory[k]);
@@ -294,6 +297,7 @@ static void tell(const char *name, const frame *f, uint32_t first, uint32_t last
     for (uint32_t i = first; i < last; i++) {
         mean.surface += f[i].surface / n;
         mean.vertex += f[i].vertex / n;
+        mean.expected += f[i].expected / n;
         mean.ticks += f[i].ticks / n;
         mean.residual += f[i].residual / n;
         mean.seen += f[i].seen / n;
@@ -301,8 +305,8 @@ static void tell(const char *name, const frame *f, uint32_t first, uint32_t last
     }
     (void)printf("%ssurface %.4f\n%svertex %.4f\n", name, mean.surface, name, mean.vertex);
     if (name[0] == '\0')
-        (void)printf("ticks %.1f\nresidual %.4f\nvisible %.3f\njumped %.0f\n", mean.ticks, mean.residual, mean.seen,
-                     mean.jumped);
+        (void)printf("expected %.4f\nticks %.1f\nresidual %.4f\nvisible %.3f\njumped %.0f\n", mean.expected, mean.ticks,
+                     mean.residual, mean.seen, mean.jumped);
 }
 
 /* NAME=VALUE... FILE...: means over the last half of the frames; of the second tenth and the last one, too. */

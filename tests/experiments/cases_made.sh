@@ -301,7 +301,14 @@ group_track() {
     done; done
     over jump
     all || return 0
-    for line in follow_180 follow_78; do over $line; done
+    for points in 0 500; do for bone in $bones hip_bone patella; do # true over expected error of vertices
+        row=follow_78:$bone:$points at=occluded:$bone:$points
+        case $bone in hip_bone | patella) row=$at && followed $at side=78 points=$points every=10 data/hip_thigh_vhm/$bone.ply ;; esac
+        record $at.true "$row.vertex/$row.expected"
+        record $at.far "$at.true>2.5"
+    done; done
+    for line in follow_180 follow_78 occluded; do over $line; done
+    within occluded true 1.25 0.8-true 0 far 0.1
     for side in 180 78; do
         followed drift:$side side=$side frames=300 every=10 $(file_of 2007)
         within drift:$side late_surface-early_surface 0.1 late_vertex-early_vertex 0.1
