@@ -116,6 +116,7 @@ smr_input_sum smr_sum_of_target(const smr_surface *surface)
     add_part(&s, POINTS, &surface->origin, 1);
     add_part(&s, POINTS, surface->xyz, surface->n_vertices);
     add_part(&s, TRIANGLES, surface, nt);
+    add_part(&s, VALUES, &surface->noise_mm, surface->noise_mm > 0.0f); /* a refit's is the build's */
     return s;
 }
 

@@ -47,7 +47,8 @@ void smr_tangent_begin(smr_tangent_smooth *e); /* chooses `share`, the strength 
 smr_count_tasks smr_tangent_tasks, smr_tangent_sum_tasks;
 smr_run_task smr_tangent_clear, smr_tangent_sum;
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v); /* returns v's smoothing, mm */
-/* Returns by how much smoothing across the surface divides the variance that noise leaves: 1 .. 2; for meshes .. 3. */
+/* Returns 1 + share of smoothing across the surface / largest one of clouds, of the target as it is now: 1 .. 2 for
+ * clouds, where it divides the variance that noise leaves; 1 .. 3 for meshes. */
 float smr_noise_smoothed(const smr_tangent_smooth *e, uint32_t structure);
 
 /* Raises limited[v] to the share of the step of vertex v that a fold step removed. */

@@ -73,18 +73,15 @@ static float ramp(float x, float none, float full) { return smr_clamp((x - none)
 
 /* Returns the share of uneven motion across the surface that is taken back at the last radius: by a mesh's noise; or by
  * a cloud's, but where the cloud shows a part, and on small structures. */
-static float across_share(const smr_tangent_smooth *e, uint32_t structure)
+static float across_share(const smr_tangent_smooth *e, uint32_t structure, smr_target_noise noise)
 {
     const smr_target *const t = &e->goals->target[structure];
-    const float edge = smr_max(smr_le_float(e->shared->model->edge_mm), 1.0e-6f);
-    if (t->surface == NULL)
-        return 0.0f;
-    if (!smr_is_cloud(t->surface))
-        return SMR_ACROSS_MESH * ramp(t->surface->noise_mm / edge, SMR_ACROSS_MESH_NONE, SMR_ACROSS_MESH_FULL);
     const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
+    if (noise.mesh > 0.0f)
+        return SMR_ACROSS_MESH * ramp(noise.mesh, SMR_ACROSS_MESH_NONE, SMR_ACROSS_MESH_FULL);
     if (!whole || e->shape->structure[structure].n_vertices < SMR_ACROSS_LEAST)
         return 0.0f;
-    return SMR_ACROSS * ramp(smr_noise_edges(t, edge), SMR_ACROSS_NONE, SMR_ACROSS_FULL);
+    return SMR_ACROSS * ramp(noise.cloud, SMR_ACROSS_NONE, SMR_ACROSS_FULL);
 }
 
 float smr_noise_smoothed(const smr_tangent_smooth *e, uint32_t structure)
@@ -92,7 +89,8 @@ float smr_noise_smoothed(const smr_tangent_smooth *e, uint32_t structure)
     const smr_config *c = &e->shared->config;
     const int acts = c->basic.even > 0.0f && !c->dynamics.mode && smr_at_last_radius(e->shared, e->schedule) &&
                      !e->schedule->tracking;
-    return acts ? 1.0f + across_share(e, structure) / SMR_ACROSS : 1.0f;
+    const smr_target_noise noise = smr_noise_of(&e->goals->target[structure], smr_le_float(e->shared->model->edge_mm));
+    return acts ? 1.0f + across_share(e, structure, noise) / SMR_ACROSS : 1.0f;
 }
 
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)
@@ -103,7 +101,8 @@ smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)
     const smr_vec mean = smr_scale(smr_get3(e->rings.sum, v), 1.0f / e->rings.weight[v]);
     const smr_vec displacement = smr_sub(mean, smr_get3(e->rings.displacement, v));
     const smr_vec n = smr_get3(e->shape->normal, v), across = smr_scale(n, smr_dot(n, displacement));
-    const float kept = 1.0f - (float)e->limited[v] / SMR_LIMITED_FULL, noise = across_share(e, owner);
+    const float kept = 1.0f - (float)e->limited[v] / SMR_LIMITED_FULL,
+                noise = across_share(e, owner, e->goals->target[owner].noise);
     const smr_vec along = smr_scale(smr_sub(displacement, across), e->share * kept);
     return noise > 0.0f ? smr_add(along, smr_scale(across, noise * kept)) : along;
 }

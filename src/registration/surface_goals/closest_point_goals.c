@@ -139,6 +139,8 @@ SMR_SELDOM void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32
 
 void smr_surface_goals_commit(smr_surface_goals *g)
 {
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].noise = smr_noise_of(&g->target[i], smr_le_float(g->shared->model->edge_mm));
     if (smr_attraction_on(g))
         smr_outliers_commit(g);
     memcpy(g->warm, g->warm_next, g->schedule->n_active * sizeof *g->warm);

@@ -16,6 +16,11 @@
 
 #define SMR_SUM_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
+/* Noise of a target along its normals, in mean edges of the model; both 0 without a target. */
+typedef struct smr_target_noise {
+    float mesh, cloud;
+} smr_target_noise;
+
 typedef struct smr_target {
     const smr_surface *surface;       /* target surface or cloud of a structure; NULL: none */
     uint32_t partial;                 /* 1: goals are weighted by visibility; 0: all goals have full weight */
@@ -36,6 +41,7 @@ typedef struct smr_target {
     /* cloud: sums over the points at this structure, by weight: of the weights; of pulls along the normal, mm, times
      * what the other points predict; of squares of the former and of the latter; of points' shares in smoothed pulls */
     float compared, product, pulled, square, own;
+    smr_target_noise noise; /* of the target that the last complete forces followed */
 } smr_target;
 
 /* Returns the share of the squared pulls of points, 0..1, that other points confirm: the rest is noise. 1: unknown. */
@@ -51,11 +57,16 @@ static inline float smr_points_in_reach(const smr_target *target)
     return target->compared / smr_max(target->own, SMR_SUM_TINY);
 }
 
-/* Returns the noise of a cloud's points along the normal / the mesh's mean edge: what no other points confirm. */
-static inline float smr_noise_edges(const smr_target *target, float edge_mm)
+/* Returns the noise of the target: a mesh's was measured when it was built, a cloud's is what no other points confirm. */
+static inline smr_target_noise smr_noise_of(const smr_target *target, float edge_mm)
 {
     const float noise2 = target->pulled * (1.0f - smr_points_agree(target)) / smr_max(target->compared, SMR_SUM_TINY);
-    return target->compared > 0.0f ? SMR_SQRT(smr_positive(noise2)) / smr_max(edge_mm, 1.0e-6f) : 0.0f;
+    const float per_edge = 1.0f / smr_max(edge_mm, 1.0e-6f);
+    if (target->surface == NULL)
+        return (smr_target_noise){0.0f, 0.0f};
+    if (!smr_is_cloud(target->surface))
+        return (smr_target_noise){target->surface->noise_mm * per_edge, 0.0f};
+    return (smr_target_noise){0.0f, target->compared > 0.0f ? SMR_SQRT(smr_positive(noise2)) * per_edge : 0.0f};
 }
 
 /* A distinct target surface. Several structures may share one. */
