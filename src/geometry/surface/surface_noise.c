@@ -3,14 +3,14 @@
  * be off to opposite sides, for each vertex is in its neighbours' means. So the covariance of a vertex' offset with
  * its neighbours' tells noise from shape, whatever the curvature. With six neighbours noise of variance 1 has offsets
  * of variance 7/6 and covariance -5/18. Shape counts as noise where its correlation is below SMR_SHAPE: relief of five
- * vertices a period or fewer. Bones and muscles from CT and MRI have 0.3 to 0.94, decimated ones, too. Offsets are
- * limited, so that a few spikes are no noise. The mesh has one noise; a refit keeps it.
+ * vertices a period or fewer. Bones and muscles from CT and MRI have 0.3 to 0.94, decimated ones, too. Larger
+ * offsets count as 0, so that a few spikes are no noise. The mesh has one noise; a refit keeps it.
  * Bounds: SMR_NOISE_AROUND triangles around each vertex, twice.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
 #define SMR_NOISE_AROUND 16u /* vertices with more triangles do not count */
-#define SMR_NOISE_LIMIT 4.0f /* largest offset / mean size of offsets */
+#define SMR_NOISE_LIMIT 5.0f /* largest offset / (mean square root of offsets)^2; beyond are spikes */
 #define SMR_SHAPE 0.2f       /* smallest correlation of neighbours' offsets that noise alone does not lower */
 #define SMR_NOISE_SIZE (SMR_SHAPE * 7.0f / 6.0f + 5.0f / 18.0f) /* SMR_SHAPE * variance - covariance of unit noise */
 
@@ -30,32 +30,43 @@ void smr_offsets_find(smr_surface *s, uint32_t first, uint32_t last)
         const smr_vec p = smr_get3(s->xyz, v);
         const uint32_t n = around(s, v);
         smr_vec sum = smr_v(0, 0, 0);
+        float others = 0.0f; /* corners that are another vertex */
         for (uint32_t i = 0; i < n; i++) {
             const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
-            for (uint32_t c = 0; c < 3u; c++)
+            for (uint32_t c = 0; c < 3u; c++) {
                 sum = smr_add(sum, smr_sub(smr_get3(s->xyz, t[c]), p)); /* of v itself: 0 */
+                others += t[c] != v ? 1.0f : 0.0f;
+            }
         }
-        s->work.middle[v] = n > 0u ? smr_dot(smr_get3(s->normal, v), sum) / (float)(2u * n) : 0.0f;
-        s->work.noise.size += smr_abs(s->work.middle[v]);
-        s->work.noise.n += n > 0u ? 1.0f : 0.0f;
+        s->work.middle[v] = others > 0.0f ? smr_dot(smr_get3(s->normal, v), sum) / others : 0.0f;
+        s->work.noise.size += SMR_SQRT(smr_abs(s->work.middle[v]));
+        s->work.noise.n += others > 0.0f ? 1.0f : 0.0f;
     }
+}
+
+/* Returns an offset, or 0 for that of a spike. */
+static float offset_of(const smr_surface *s, uint32_t v, float most)
+{
+    return smr_abs(s->work.middle[v]) <= most ? s->work.middle[v] : 0.0f;
 }
 
 void smr_offsets_compare(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_surface_noise *const noise = &s->work.noise;
-    const float most = SMR_NOISE_LIMIT * noise->size / smr_max(noise->n, 1.0f);
+    const float mean = noise->size / smr_max(noise->n, 1.0f), most = SMR_NOISE_LIMIT * mean * mean;
     for (uint32_t v = first; v < last && has_offsets(s); v++) {
         const uint32_t n = around(s, v);
-        const float own = smr_clamp(s->work.middle[v], -most, most);
-        float sum = n > 0u ? -(float)n * own : 0.0f; /* each triangle adds it below */
+        const float own = offset_of(s, v, most);
+        float sum = 0.0f, others = 0.0f;
         for (uint32_t i = 0; i < n; i++) {
             const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
-            for (uint32_t c = 0; c < 3u; c++)
-                sum += smr_clamp(s->work.middle[t[c]], -most, most);
+            for (uint32_t c = 0; c < 3u; c++) {
+                sum += t[c] != v ? offset_of(s, t[c], most) : 0.0f;
+                others += t[c] != v ? 1.0f : 0.0f;
+            }
         }
         noise->square += own * own;
-        noise->product += n > 0u ? own * sum / (float)(2u * n) : 0.0f;
+        noise->product += others > 0.0f ? own * sum / others : 0.0f;
     }
     const float noise2 = (SMR_SHAPE * noise->square - noise->product) / (SMR_NOISE_SIZE * smr_max(noise->n, 1.0f));
     s->noise_mm = SMR_SQRT(smr_positive(noise2));
