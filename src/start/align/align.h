@@ -33,7 +33,7 @@ static inline int smr_pose_mirrors(const smr_pose *p)
     return smr_dot(smr_cross(a, b), smr_v(p->m[2][0], p->m[2][1], p->m[2][2])) < 0.0f;
 }
 
-#define SMR_LIST_MOST 24u /* largest number of poses in a list */
+#define SMR_LIST_MOST 48u /* largest number of poses in a list */
 
 /* A short list of poses, cheapest first. */
 typedef struct smr_pose_list {
@@ -298,10 +298,10 @@ typedef struct smr_align_work {
     smr_aligner aligner;
     smr_side_work sum[SMR_SIDES];
     smr_coarse coarse;
-    smr_pose_list found, shorter; /* lists of poses that a stage reads and writes */
-    smr_pose_list best;           /* poses after the longer refinement, cheapest first */
-    smr_pose_list one;            /* the one pose in work */
-    uint32_t few, some, all;      /* samples of each side in short, longer, last refinements */
+    smr_pose_list found, nearer, shorter; /* lists of poses that a stage reads and writes */
+    smr_pose_list best;                   /* poses after the longer refinement, cheapest first */
+    smr_pose_list one;                    /* the one pose in work */
+    uint32_t few, some, all;              /* samples of each side in short, longer, last refinements */
 
     /* the coarse search */
     smr_coarse_search search;

@@ -1,13 +1,15 @@
 /* align_steps.c: the start pose from two surfaces, without landmarks, and a report on it.
  * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
- * which is right for whole surfaces; short refinements of the results and of the given pose, longer ones of the best.
- * The best pose is refined by all pairs when nearly all samples of both surfaces match, else without outliers. The
- * given pose is kept when it is about as good.
- * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS, 2 of
- * config.iterations; for the mirror image 1 search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
+ * which is right for whole surfaces; refinements of the results and of the given pose, longer ones of the best. The
+ * best pose is refined by all pairs when nearly all samples of both surfaces match, else without outliers. The given
+ * pose is kept when it is about as good.
+ * Bounds: 4 coarse searches, at most 49 refinements of SMR_ROUNDS_FIRST rounds, 40 of SMR_ROUNDS_SHORT, 4 of
+ * SMR_ROUNDS, 2 of config.iterations; for the mirror image 1 search, 8 of SMR_ROUNDS_SHORT, 1 of SMR_ROUNDS.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align.h"
 
+#define SMR_ROUNDS_FIRST 2u       /* number of rounds of the first refinement, after which the best poses go on */
+#define SMR_NEARER 16u            /* largest number of poses that go on */
 #define SMR_ROUNDS_SHORT 6u       /* largest number of rounds of a short refinement */
 #define SMR_ROUNDS 16u            /* largest number of rounds of a longer refinement */
 #define SMR_FINALISTS 4u          /* largest number of poses that get a longer refinement */
@@ -132,8 +134,15 @@ static int find_poses(smr_align_work *w)
     else
         start_search(w, 1.0f, SMR_SHIFTS, 0, SMR_LIST_MOST);
     smr_list_insert(&w->found, &w->given, 0.0f);
+    smr_list_start(&w->nearer, SMR_NEARER);
+    refine(w, &w->found, w->few, SMR_ROUNDS_FIRST, SMR_REFINE_TRIMMED, &w->nearer);
+    return 1;
+}
+
+static int refine_nearer(smr_align_work *w)
+{
     smr_list_start(&w->shorter, SMR_FINALISTS);
-    refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED, &w->shorter);
+    refine(w, &w->nearer, w->few, SMR_ROUNDS_SHORT - SMR_ROUNDS_FIRST, SMR_REFINE_TRIMMED, &w->shorter);
     return 1;
 }
 
@@ -357,9 +366,9 @@ static int finish(smr_align_work *w)
 }
 
 static int (*const steps[])(smr_align_work *w) = {
-    find_poses,    try_smaller,   try_larger,   try_ratio,       refine_finalists, measure_best,  refine_whole,
-    measure_whole, fit_part,      refine_part,  measure_result,  report_result,    measure_given, report_given,
-    find_other,    compare_other, try_mirrored, refine_mirrored, measure_mirrored, finish,
+    find_poses,   refine_nearer, try_smaller,   try_larger,   try_ratio,       refine_finalists, measure_best,
+    refine_whole, measure_whole, fit_part,      refine_part,  measure_result,  report_result,    measure_given,
+    report_given, find_other,    compare_other, try_mirrored, refine_mirrored, measure_mirrored, finish,
 };
 
 int smr_align_step(smr_align_work *w)
