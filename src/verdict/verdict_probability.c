@@ -156,11 +156,11 @@ static void take(const smr_verdict *v, float edge_mm, int whole, float strays, f
         take_surface(v, edge_mm, misfit, m);
     else if (!image && v->residual_mm >= 0.0f) {
         take_bend(v, m);
-        m[LITTLE] = v->expected_error_mm < 0.0f ? 1.0f : 0.0f; /* 1: too few landmarks */
+        m[PART] = v->expected_error_mm; /* landmarks show little, and few of them are met whatever the shape */
         m[MARKS] = v->residual_mm;
     }
-    if (strays >= 0.0f && v->expected_error_mm < 0.0f)
-        m[LITTLE] = 1.0f; /* a cloud of too few points */
+    if (!image && v->residual_mm >= 0.0f && v->expected_error_mm < 0.0f)
+        m[LITTLE] = 1.0f; /* too few landmarks, points or vertices that are visible */
 }
 
 /* Returns the doubt that measure k gives. met 1: the limits are wider. */

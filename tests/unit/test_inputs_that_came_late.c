@@ -2,6 +2,7 @@
  * round or mirrored do no harm.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
+#include "oracle.h"
 #include "registration/registration.h"
 
 static const float at_origin[3] = {0, 0, 0}, beside[3] = {2, 0, 0};
@@ -47,6 +48,40 @@ TEST(test_last_iteration)
     for (uint32_t i = 0; i < 5u; i++)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
     assert_true(r.details.tracking && r.iteration == before + 5u);
+}
+
+/* A noisy target that replaces a clean one when an iteration at the last radius has its forces does not change it. */
+TEST(test_noisy_replacement)
+{
+    const smr_mesh ball = rig_ball(20, 14, 20, at_origin), goal = rig_ball(20.5f, 16, 24, beside),
+                   noisy = rig_ball(20.5f, 16, 24, beside);
+    const smr_model *model = rig_model(&ball, 1, NULL);
+    rig_clock clock = {0};
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    oracle_random random = oracle_seed(1);
+    smr_config config = smr_config_default();
+    const float *after[2];
+    for (uint32_t i = 0; i < 3u * noisy.n_vertices; i++)
+        ((float *)(uintptr_t)noisy.xyz)[i] += oracle_uniformf(&random, -2, 2);
+    config.basic.iterations = 3;
+    config.basic.n_target_vertices = goal.n_vertices;
+    for (uint32_t replaced = 0; replaced < 2u; replaced++) {
+        const smr_surface *const next = rig_surface(&noisy);
+        smr_tick_report r = {0};
+        smr *s = rig_init(model, &config, &port);
+        assert_true(next->noise_mm > 0.3f);
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
+        while (!smr_at_last_radius(&s->shared, &s->schedule))
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+        do
+            assert_int_equal(SMR_PARTIAL, smr_tick(s, 20000, &r));
+        while (r.details.phase == SMR_PHASE_FORCES);
+        if (replaced)
+            assert_int_equal(SMR_OK, smr_set_surface(s, 0, next));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+        after[replaced] = rig_positions(s, model);
+    }
+    assert_true(rig_far(after[0], after[1], model->n_vertices) <= 0.0f);
 }
 
 /* Structures 1 mm apart, each on its target: one that looks inwards is nothing to keep out of. */

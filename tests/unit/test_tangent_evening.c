@@ -111,6 +111,7 @@ TEST(test_across)
             t->product = k == AGREED ? t->pulled : 0.0f;
             if (k == SURFACE)
                 ((smr_surface *)(uintptr_t)t->surface)->noise_mm = noise;
+            t->noise = smr_noise_of(t, edge);
             const int acts = k == WHOLE || k == UNJUDGED;
             const float out = 1.0f + smr_dot(n, off), own = smr_clamp(0.3125f * (float)i - 0.125f, 0.0f, 0.5f);
             const float back = k == SURFACE ? own * out : acts || k == UNEVEN ? 0.25f * share * out : 0.0f;

@@ -197,8 +197,8 @@ static smr_verdict fair(float seen, float expected)
     return v;
 }
 
-/* The same expected error is much where the rest of the model is a guess, and not where all of it was seen; nor do
- * landmarks, which see single vertices, or images follow this rule. A part's size has a limit of its own. */
+/* The same expected error is much where the rest of the model is a guess, and not where all of it was seen; landmarks
+ * alone, which see single vertices, follow this rule, too, images do not. A part's size has a limit of its own. */
 TEST(test_part)
 {
     smr_verdict v;
@@ -213,7 +213,14 @@ TEST(test_part)
     v = fair(0.02f, 2.7f);
     v.target_covered = v.normals_agree = -1.0f;
     smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
-    assert_int_equal(SMR_VERDICT_GOOD, v.level); /* landmarks alone */
+    assert_int_equal(SMR_VERDICT_LOOK, v.level); /* landmarks alone */
+    assert_int_equal(SMR_REASON_LITTLE_VISIBLE, v.reasons);
+    v.expected_error_mm = 2.2f;
+    smr_judge(&v, 4.0f, 1, 0.0f, 1.0f);
+    assert_int_equal(SMR_VERDICT_GOOD, v.level);
+    v = fair(0.9f, -1.0f); /* a surface of which too little is visible for an estimate */
+    smr_judge(&v, 4.0f, 1, -1.0f, 1.0f);
+    assert_int_equal(SMR_VERDICT_LOOK, v.level);
     v = fair(0.7f, 2.7f);
     v.target_covered = v.normals_agree = -1.0f;
     v.goals_share = v.image_similarity = 0.95f;

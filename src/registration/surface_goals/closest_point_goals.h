@@ -57,7 +57,7 @@ static inline float smr_points_in_reach(const smr_target *target)
     return target->compared / smr_max(target->own, SMR_SUM_TINY);
 }
 
-/* Returns the noise of the target: a mesh's was measured when it was built, a cloud's is what no other points confirm. */
+/* Returns the noise of the target: a mesh is measured when it is built; a cloud has what no other points confirm. */
 static inline smr_target_noise smr_noise_of(const smr_target *target, float edge_mm)
 {
     const float noise2 = target->pulled * (1.0f - smr_points_agree(target)) / smr_max(target->compared, SMR_SUM_TINY);
