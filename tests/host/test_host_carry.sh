@@ -27,6 +27,13 @@ check "and back" has_status 0 "$SMR" carry --result out --points a.csv -o back.c
 check "to where they were" near points.csv back.csv 0.01
 "$SMR" carry --result out --points bone_binary.ply -o vertices.ply --quiet
 check "vertices go to the result" cmp vertices.ply out/bone_binary.ply
+"$SMR" carry --result out --points points.csv -o a.csv --quiet 2>good.txt
+"$SMR" register --model bone_binary.ply --target target.ply -o short --ticks 1 --quiet
+"$SMR" carry --result short --points points.csv -o short.csv --quiet 2>short.txt
+check "a verdict that is not good is told" grep -q '^smr: the verdict on short is look: --ticks ended' short.txt
+check "a good one is not" test ! -s good.txt
+printf '{' >short/report.json
+check "nor one that cannot be read" sh -c '"$0" carry --result short --points points.csv -o short.csv --quiet 2>&1 | cmp - /dev/null' "$SMR"
 for format in fcsv mrk.json; do
     check "to .$format" has_status 0 "$SMR" carry --result out --points points.csv -o "a.$format"
     check "from .$format" has_status 0 "$SMR" carry --result out --points "a.$format" -o "b.csv" --inverse

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "carry/carry_volume.h"
+#include "cohort/report_head.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
 #include "landmarks/landmarks.h"
@@ -12,9 +13,30 @@
 #define ERRORS_MAX 100u /* points whose expected errors are printed */
 #define NAMED_MAX 5u    /* points that were not found are named up to here */
 
+/* Says what the result's report thinks of it, where there is one and it is not good. */
+static void tell_verdict(const char *directory)
+{
+    char *const path = host_report_beside(directory, HOST_REPORT_NAME);
+    host_bytes bytes = {0};
+    host_report_head head;
+    host_error error = {0};
+    if (path != NULL && host_report_there(path) && host_report_bytes(path, &bytes, &error) == 0 &&
+        host_report_parse(bytes.data, bytes.size, &head, &error) == 0) {
+        const host_verdict *const v = &head.verdict;
+        if (v->level != HOST_VERDICT_GOOD)
+            (void)fprintf(stderr, "smr: the verdict on %s is %s%s%s\n", directory, host_verdict_name(v->level),
+                          v->n_reasons > 0 ? ": " : "", v->n_reasons > 0 ? v->reason[0] : "");
+        host_report_free(&head);
+    }
+    host_file_free(&bytes);
+    free(path);
+}
+
 /* Closes the result. The error's name goes with the map: the result's directory takes its place. */
 static int finish(host_carried *c, const host_options *options, int result, host_error *error)
 {
+    if (result != HOST_REFUSED)
+        tell_verdict(options->result);
     if (result == HOST_REFUSED && error->file == c->path)
         error->file = options->result;
     host_carried_close(c);

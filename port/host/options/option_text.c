@@ -34,7 +34,7 @@ static const struct {
     {"-o", HOST_LABELS, "FILE", "the label map: .seg.nrrd, .nrrd, .mha, .nii or .nii.gz"},
     {"-o", HOST_SUMMARY, "TABLE.csv", "the table"},
     {"-o", HOST_BENCH, "DIR", "directory of the tables"},
-    {"-o", 0, "DIR", "directory of the results; files of an earlier run are replaced"},
+    {"-o", 0, "DIR", "directory of the results; replaces files of the same names"},
     {"--result", 0, "DIR", "directory that smr register wrote"},
     {"--points", HOST_TRACK, "FILE",
      "points of the model's space that go along: columns of track.csv, and DIR/FRAME/points in the file's format"},
