@@ -76,9 +76,11 @@ static float ramp(float x, float none, float full) { return smr_clamp((x - none)
 static float across_share(const smr_tangent_smooth *e, uint32_t structure, smr_target_noise noise)
 {
     const smr_target *const t = &e->goals->target[structure];
-    const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
     if (noise.mesh > 0.0f)
         return SMR_ACROSS_MESH * ramp(noise.mesh, SMR_ACROSS_MESH_NONE, SMR_ACROSS_MESH_FULL);
+    if (!(noise.cloud > 0.0f))
+        return 0.0f;
+    const int whole = t->n_judged == 0u || (float)t->n_visible > SMR_ACROSS_SHOWN * (float)t->n_judged;
     if (!whole || e->shape->structure[structure].n_vertices < SMR_ACROSS_LEAST)
         return 0.0f;
     return SMR_ACROSS * ramp(noise.cloud, SMR_ACROSS_NONE, SMR_ACROSS_FULL);
