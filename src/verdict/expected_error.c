@@ -5,7 +5,8 @@
  * The noise is measured: how much vertices stick out from their neighbours, and the residual. Across the surface, a
  * visible vertex has the noise alone as error, and the error of an invisible one grows with the distance to the
  * visible ones: near them a body's thickness changes less, and far from them its shape more, than the process says.
- * A cloud shows vertices at its points only; between points the error grows as points become fewer.
+ * A cloud shows vertices at its points only; between points the error grows as points become fewer. Landmarks beside a
+ * target are observed along all axes.
  * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
  * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has a
  * variance of its own, and the displacement that it would add counts as error, too.
@@ -230,8 +231,9 @@ static parts weighed(const smr_judgement *j, uint32_t v, parts variance, float f
     const float open = marks & SMR_JUDGED_POINT ? 0.0f : between; /* a vertex at a point has the noise alone */
     const float across = visible ? open : near + SMR_UNSEEN_ACROSS * grown2;
     const float along = f->along + SMR_POINTS_ALONG * between + (visible ? 0.0f : SMR_UNSEEN_ALONG * grown2);
-    return (parts){across * f->size2 * variance.across + f->across2,
-                   along * f->size2 * variance.along + noisy(j) * f->across2 + least * least};
+    const float marked = visible ? 0.0f : f->marked2; /* what landmarks do not meet, their places do not tell */
+    return (parts){across * f->size2 * variance.across + f->across2 + marked * (1.0f / 3.0f),
+                   along * f->size2 * variance.along + noisy(j) * f->across2 + least * least + marked * (2.0f / 3.0f)};
 }
 
 /* Variances and displacements of places, from the observations. */

@@ -29,6 +29,51 @@ static uint32_t place(smr_normal_field *f, const smr *s)
     return most;
 }
 
+/* Returns 1 when landmark k lies on the judged structure. */
+static int is_marked(const smr_judgement *j, uint32_t k)
+{
+    const smr *s = j->s;
+    return smr_model_owner(s->shared.model, s->forces.landmarks.landmark[k].corner[0]) == j->structure;
+}
+
+/* Returns how many landmarks beside a target are observations, each along three axes: at most half of the room. */
+static uint32_t n_marked(const smr_judgement *j, uint32_t room)
+{
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < j->s->forces.landmarks.n; k++)
+        n += (uint32_t)is_marked(j, k);
+    return smr_min_u32(n, room / 6u);
+}
+
+/* Adds an observation of the displacement from `from` to `to` along a normal. */
+static void add_observation(smr_normal_field *f, smr_vec from, smr_vec to, smr_vec normal)
+{
+    smr_put3(f->at, f->n, from);
+    smr_put3(f->normal, f->n, normal);
+    smr_put3(f->lower, f->n++, to); /* positions, until the factor needs the memory */
+}
+
+/* Adds the landmarks of the judged structure, and what they are still off, mm^2 in the mean. */
+static void add_landmarks(smr_judgement *j)
+{
+    static const smr_vec axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const smr_landmark_goals *const g = &j->s->forces.landmarks;
+    smr_normal_field *f = &j->field;
+    const uint32_t n = n_marked(j, place(f, j->s));
+    uint32_t left = n;
+    float sum = 0.0f;
+    for (uint32_t k = 0; left > 0u && k < g->n; k++) {
+        if (!is_marked(j, k))
+            continue;
+        const smr_vec to = smr_landmark_foot(g, k, j->s->shape.x), off = smr_sub(smr_landmark_goal(g, k), to);
+        for (uint32_t c = 0; c < 3u; c++)
+            add_observation(f, smr_landmark_foot(g, k, j->s->shape.start), to, axis[c]);
+        sum += smr_dot(off, off);
+        left--;
+    }
+    f->marked2 = n > 0u ? sum / (float)n : 0.0f;
+}
+
 /* Between the points of a cloud no vertex is observed. */
 static int is_observed(const smr_judgement *j, uint32_t v)
 {
@@ -61,7 +106,8 @@ void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr *s = j->s;
     const smr_piece piece = smr_judged_vertices(j, task);
     if (task == 0u) {
-        f->most = smr_min_u32(f->total, place(f, s));
+        const uint32_t room = place(f, s);
+        f->most = smr_min_u32(f->total, room - 3u * n_marked(j, room));
         j->fit.weight = 0.0f;
         j->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
     }
@@ -74,11 +120,8 @@ void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
         if (f->met == 0u)
             smr_fit_start(&j->fit, p, x);
         smr_fit_add(&j->fit, p, x, 1.0f);
-        if (f->n < f->most && (uint64_t)f->met * f->most >= (uint64_t)f->n * f->total) {
-            smr_put3(f->at, f->n, p);
-            smr_put3(f->normal, f->n, smr_get3(s->shape.normal, v));
-            smr_put3(f->lower, f->n++, x); /* positions, until the factor needs the memory */
-        }
+        if (f->n < f->most && (uint64_t)f->met * f->most >= (uint64_t)f->n * f->total)
+            add_observation(f, p, x, smr_get3(s->shape.normal, v));
         f->met++;
     }
 }
@@ -98,6 +141,7 @@ void smr_field_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t wo
         f->n = 0;
         return;
     }
+    add_landmarks(j);
     const float length = smr_max(SMR_NORMAL_LENGTH * smr_length(smr_sub(j->box.hi, j->box.lo)), 1.0e-6f);
     f->per_length2 = 1.0f / (length * length);
     f->middle = smr_scale(smr_add(j->box.lo, j->box.hi), 0.5f);

@@ -63,29 +63,33 @@ typedef struct smr_terms {
 /* A vertex' expected error follows from the displacement from the start as a Gaussian process, observed along normals
  * (expected_error.c). */
 typedef struct smr_normal_field {
-    smr_terms *term;     /* [n] in the memory of records behind the expected errors */
-    float *at;           /* [n][3] start positions of the observed vertices, mm */
-    float *normal;       /* [n][3] normals of the observed vertices in the start's frame */
-    float *moved;        /* [n] observed displacement along the normal, mm */
-    float *open;         /* [n] change of the coefficients by the variance of the motion from the start */
-    float *lower;        /* Cholesky factor of the observations' covariance, row by row */
-    uint32_t most, n;    /* largest number of observations; number of observations, 0: too few */
-    uint32_t total, met; /* number of observed vertices; number of those that the choice of observations has met */
-    uint32_t round;      /* number of rounds that have found size2 */
-    float noise2;        /* measured noise variance, mm^2 */
-    float noise;         /* noise variance along a normal / size2 */
-    float along;         /* variance along the surface / process' variance */
-    float across2;       /* variance by noise across the surface, mm^2 */
-    smr_pose pose;       /* rigid pose that moves the start onto all visible vertices */
-    int image_part;      /* 1: an image shows a part of the structure */
-    smr_vec middle;      /* middle of the structure's box at the start, mm */
-    float motions;       /* variance of shift, turn and scale / variance of the displacement */
-    float per_length2;   /* 1 / l^2 of the kernel length l, 1 / mm^2 */
-    float size2;         /* variance of the displacement along an axis, mm^2 */
-    smr_vec shift;       /* motion from the start to the pose of all visible vertices: shift of the middle, mm */
-    smr_vec turn;        /* motion from the start to that pose: rotation about the middle, mm at a kernel length */
-    float more;          /* variance of a factor on the motion from the start / size2; 0: not used */
-    float again;         /* factor on the motion from the start, as the observations give it */
+    smr_terms *term;  /* [n] in the memory of records behind the expected errors */
+    float *at;        /* [n][3] start positions of the observed vertices, mm */
+    float *normal;    /* [n][3] normals of the observed vertices in the start's frame */
+    float *moved;     /* [n] observed displacement along the normal, mm */
+    float *open;      /* [n] change of the coefficients by the variance of the motion from the start */
+    float *lower;     /* Cholesky factor of the observations' covariance, row by row */
+    uint32_t most, n; /* largest number of observations; number of observations, 0: too few */
+    uint32_t total;   /* number of observed vertices */
+    union {
+        uint32_t met;  /* number of those that the choice of observations has met */
+        float marked2; /* then: mean squared distance of landmarks beside a target to their goals, mm^2 */
+    };
+    uint32_t round;    /* number of rounds that have found size2 */
+    float noise2;      /* measured noise variance, mm^2 */
+    float noise;       /* noise variance along a normal / size2 */
+    float along;       /* variance along the surface / process' variance */
+    float across2;     /* variance by noise across the surface, mm^2 */
+    smr_pose pose;     /* rigid pose that moves the start onto all visible vertices */
+    int image_part;    /* 1: an image shows a part of the structure */
+    smr_vec middle;    /* middle of the structure's box at the start, mm */
+    float motions;     /* variance of shift, turn and scale / variance of the displacement */
+    float per_length2; /* 1 / l^2 of the kernel length l, 1 / mm^2 */
+    float size2;       /* variance of the displacement along an axis, mm^2 */
+    smr_vec shift;     /* motion from the start to the pose of all visible vertices: shift of the middle, mm */
+    smr_vec turn;      /* motion from the start to that pose: rotation about the middle, mm at a kernel length */
+    float more;        /* variance of a factor on the motion from the start / size2; 0: not used */
+    float again;       /* factor on the motion from the start, as the observations give it */
 } smr_normal_field;
 
 /* What shows a structure's place; SMR_BY_MEMORY: an earlier call left the results, which are only copied. */

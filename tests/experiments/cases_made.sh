@@ -238,6 +238,10 @@ group_landmarks() {
             full || continue
             tracked noisy:$at 40 0.5
             within noisy:$at vertex 1
+            tool make seed=$seed part=end share=0.4 case $(file_of $bone) >/dev/null # landmarks, and an end
+            tracked end:$at 6 0 --align none --target case/target/*.ply
+            within end:$at vertex 3 ratio 2 0.5-ratio 0
+            tool make seed=$seed case $(file_of $bone) >/dev/null
             case $at in 2008:2 | 2007:2) ;; *) continue ;; esac
             register without:$at --model case/model/*.ply --target case/target/*.ply
             measure without:$at case

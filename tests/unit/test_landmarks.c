@@ -235,3 +235,35 @@ TEST(test_image_no_longer_searched)
         assert_true(shown > 200u && (hard ? forced > 0u && forced < shown / 4u : forced == 0u));
     }
 }
+
+/* Returns the mean expected error of the first ball, bent, of which a surface shows a half, and n landmarks the rest. */
+static float expected_with(uint32_t n)
+{
+    smr *s = start(N, NULL);
+    smr_mesh half = rig_ball(20, 8, 12, (const float[3]){0, 0, 0});
+    float *const xyz = (float *)(uintptr_t)half.xyz, mm[400], sum = 0.0f;
+    smr_landmark mark[N];
+    for (uint32_t v = 0; v < half.n_vertices; v++)
+        xyz[3u * v] += 0.01f * xyz[3u * v + 2u] * xyz[3u * v + 2u];
+    for (uint32_t i = 0; i < n; i++) { /* the last vertices are in the last triangles */
+        const uint32_t v = half.n_vertices - 1u - 7u * i;
+        mark[i] = (smr_landmark){0, v, {0, 0, 0}, {0, 0, 0}, 1.0f, 0};
+        memcpy(mark[i].place, xyz + 3u * (size_t)v, sizeof mark[i].place);
+    }
+    half.n_triangles /= 2u;
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&half)));
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, n));
+    (void)rig_run(s, 400);
+    assert_true(half.n_vertices <= 400u);
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
+    for (uint32_t v = 0; v < half.n_vertices; v++)
+        sum += mm[v] / (float)half.n_vertices;
+    return sum;
+}
+
+/* Expected errors know landmarks where a surface does not show the model. */
+TEST(test_expected_beside_a_surface)
+{
+    const float without = expected_with(0), with = expected_with(N);
+    assert_true(without > 0.0f && with > 0.0f && with < 0.8f * without);
+}
