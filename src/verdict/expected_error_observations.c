@@ -39,8 +39,9 @@ static int is_marked(const smr_judgement *j, uint32_t k)
 /* Returns how many landmarks beside a target are observations, each along three axes: at most half of the room. */
 static uint32_t n_marked(const smr_judgement *j, uint32_t room)
 {
+    const smr_landmark_goals *const g = &j->s->forces.landmarks;
     uint32_t n = 0;
-    for (uint32_t k = 0; k < j->s->forces.landmarks.n; k++)
+    for (uint32_t k = 0; smr_landmarks_on(g) && k < g->n; k++)
         n += (uint32_t)is_marked(j, k);
     return smr_min_u32(n, room / 6u);
 }

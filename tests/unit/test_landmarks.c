@@ -236,7 +236,7 @@ TEST(test_image_no_longer_searched)
     }
 }
 
-/* Returns the mean expected error of the first ball, bent, of which a surface shows a half, and n landmarks the rest. */
+/* Returns the mean expected error of the first ball, bent, of which a surface shows half, and n landmarks the rest. */
 static float expected_with(uint32_t n)
 {
     smr *s = start(N, NULL);
