@@ -3,8 +3,9 @@
  * be off to opposite sides, for each vertex is in its neighbours' means. So the covariance of a vertex' offset with
  * its neighbours' tells noise from shape, whatever the curvature. With six neighbours noise of variance 1 has offsets
  * of variance 7/6 and covariance -5/18. Shape counts as noise where its correlation is below SMR_SHAPE: relief of five
- * vertices a period or fewer. Bones and muscles from CT and MRI have 0.3 to 0.94, decimated ones, too. Larger
- * offsets count as 0, so that a few spikes are no noise. The mesh has one noise; a refit keeps it.
+ * vertices a period or fewer. Bones and muscles from CT and MRI have 0.3 to 0.94, decimated ones, too. Offsets
+ * beyond SMR_NOISE_LIMIT count as 0, so that a few spikes are no noise. The whole mesh, with bodies that are not the
+ * model's, has one noise; a refit keeps it.
  * Bounds: SMR_NOISE_AROUND triangles around each vertex, twice.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
