@@ -54,27 +54,6 @@ static void add_observation(smr_normal_field *f, smr_vec from, smr_vec to, smr_v
     smr_put3(f->lower, f->n++, to); /* positions, until the factor needs the memory */
 }
 
-/* Adds the landmarks of the judged structure, and what they are still off, mm^2 in the mean. */
-static void add_landmarks(smr_judgement *j)
-{
-    static const smr_vec axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const smr_landmark_goals *const g = &j->s->forces.landmarks;
-    smr_normal_field *f = &j->field;
-    const uint32_t n = n_marked(j, place(f, j->s));
-    uint32_t left = n;
-    float sum = 0.0f;
-    for (uint32_t k = 0; left > 0u && k < g->n; k++) {
-        if (!is_marked(j, k))
-            continue;
-        const smr_vec to = smr_landmark_foot(g, k, j->s->shape.x), off = smr_sub(smr_landmark_goal(g, k), to);
-        for (uint32_t c = 0; c < 3u; c++)
-            add_observation(f, smr_landmark_foot(g, k, j->s->shape.start), to, axis[c]);
-        sum += smr_dot(off, off);
-        left--;
-    }
-    f->marked2 = n > 0u ? sum / (float)n : 0.0f;
-}
-
 /* Between the points of a cloud no vertex is observed. */
 static int is_observed(const smr_judgement *j, uint32_t v)
 {
@@ -127,6 +106,35 @@ void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
+uint32_t smr_marks_tasks(const void *job)
+{
+    const smr_judgement *j = job;
+    const smr_landmark_goals *const g = &j->s->forces.landmarks;
+    return 1u + (smr_landmarks_on(g) && !smr_follows_landmarks(j->s, j->structure) ? g->n : 0u);
+}
+
+/* The first task clears what landmarks are still off; each further one adds a landmark of the judged structure. */
+void smr_marks_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    static const smr_vec axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    smr_judgement *j = job;
+    smr_normal_field *f = &j->field;
+    const smr_landmark_goals *const g = &j->s->forces.landmarks;
+    if (task == 0u)
+        f->marked2 = 0.0f;
+    if (task == 0u || f->n < SMR_OBSERVATIONS_LEAST || !is_marked(j, task - 1u))
+        return;
+    const uint32_t room = place(f, j->s), n = n_marked(j, room);
+    if (f->n + 3u > room || f->n + 3u > f->most + 3u * n)
+        return;
+    const smr_vec from = smr_landmark_foot(g, task - 1u, j->s->shape.start),
+                  to = smr_landmark_foot(g, task - 1u, j->s->shape.x),
+                  off = smr_sub(smr_landmark_goal(g, task - 1u), to);
+    for (uint32_t c = 0; c < 3u; c++)
+        add_observation(f, from, to, axis[c]);
+    f->marked2 += smr_dot(off, off) / (float)n;
+}
+
 /* Prepares the process: the pose, observed displacements, and assumed noise. Landmarks: solves their field. */
 void smr_field_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -142,7 +150,6 @@ void smr_field_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t wo
         f->n = 0;
         return;
     }
-    add_landmarks(j);
     const float length = smr_max(SMR_NORMAL_LENGTH * smr_length(smr_sub(j->box.hi, j->box.lo)), 1.0e-6f);
     f->per_length2 = 1.0f / (length * length);
     f->middle = smr_scale(smr_add(j->box.lo, j->box.hi), 0.5f);

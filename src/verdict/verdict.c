@@ -287,6 +287,7 @@ static const smr_stage stages[] = {
     {smr_points_tasks, smr_points_measure, smr_places_abreast, smr_points_take},
     {smr_observed_tasks, smr_observed_count, smr_in_order, NULL},
     {smr_observed_tasks, smr_observe, smr_in_order, NULL},
+    {smr_marks_tasks, smr_marks_observe, smr_in_order, NULL},
     {NULL, smr_field_begin, NULL, NULL},
     {smr_noise_tasks, smr_noise_begin, NULL, NULL},
     {smr_noise_rings_tasks, smr_noise_rings_add, smr_in_order, NULL},
