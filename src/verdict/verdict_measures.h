@@ -238,11 +238,10 @@ smr_take_results smr_cloud_take, smr_profiles_take, smr_triangles_take, smr_cove
 
 /* expected_error.c, expected_error_observations.c: stages that compute the expected errors of each vertex,
  * smr_vertex_expected(), and add their means. */
-smr_count_tasks smr_observed_tasks, smr_marks_tasks, smr_noise_tasks, smr_noise_rings_tasks, smr_factor_tasks,
-    smr_round_tasks;
-smr_count_tasks smr_errors_tasks, smr_errors_add_tasks;
-smr_run_task smr_observed_count, smr_observe, smr_marks_observe, smr_field_begin, smr_noise_begin, smr_noise_rings_add,
-    smr_noise_add;
+smr_count_tasks smr_observed_tasks, smr_noise_tasks, smr_noise_rings_tasks, smr_factor_tasks, smr_round_tasks;
+smr_count_tasks smr_marks_tasks, smr_errors_tasks, smr_errors_add_tasks;
+smr_run_task smr_observed_count, smr_observe, smr_field_begin, smr_noise_begin, smr_noise_rings_add, smr_noise_add;
+smr_run_task smr_marks_observe;
 smr_run_task smr_factor_rows, smr_round_end, smr_errors_find, smr_errors_add;
 
 /* Sets probability, level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures.
