@@ -24,6 +24,8 @@
 #define SMR_IMAGE_MOST 4.0f    /* largest squared observation / their mean, which is found in SMR_IMAGE_MEANS rounds */
 #define SMR_IMAGE_MEANS 8u
 #define SMR_IMAGE_SIZE 1.4f     /* size2 / that mean */
+#define SMR_IMAGE_MATCHED 0.95f /* share of vertices that find a goal in a clear image */
+#define SMR_IMAGE_CHANCE 0.5f   /* share of them below which goals of a structure are not trusted less */
 #define SMR_NOISE_SHARE 0.64f   /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.06f   /* variance across / process' variance, at invisible vertices near visible ones */
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */
@@ -267,6 +269,15 @@ static solved solve(const smr_normal_field *f, const places *p)
     return k;
 }
 
+/* Returns a factor of squared errors. In an image: the fewer vertices found a goal, the less sure are those found. */
+static float unsure(const smr_judgement *j)
+{
+    const float matched =
+        SMR_HAS_IMAGE && j->by == SMR_BY_IMAGE ? smr_forces_matched(&j->s->forces, j->structure) : -1.0f;
+    const float more = SMR_IMAGE_MATCHED / smr_max(matched, SMR_IMAGE_CHANCE);
+    return matched < 0.0f ? 1.0f : more * more;
+}
+
 /* Returns the squared errors of stored vertex v in lane l; without a normal a third of the error counts as across. */
 static parts errors_of(const smr_judgement *j, uint32_t v, const places *p, const solved *k, uint32_t l)
 {
@@ -277,7 +288,8 @@ static parts errors_of(const smr_judgement *j, uint32_t v, const places *p, cons
     const float open = smr_dot(displacement, displacement), moved = smr_dot(displacement, normal);
     const float open_across = has_normal ? smr_min(moved * moved, open) : open * (1.0f / 3.0f);
     const parts e = weighed(j, v, (parts){across, left - across}, k->d2[l] * j->field.per_length2);
-    return (parts){e.across + open_across, e.along + open - open_across};
+    const float factor = unsure(j);
+    return (parts){factor * (e.across + open_across), factor * (e.along + open - open_across)};
 }
 
 /* Computes the squared errors of vertices first .. first + SMR_LANES - 1; lanes beyond the end get the last one. */
