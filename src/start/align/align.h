@@ -79,7 +79,8 @@ static inline void smr_list_remove(smr_pose_list *l, uint32_t at)
 typedef struct smr_pair {
     smr_vec at;        /* position of the closest point in the other surface's coordinates, mm */
     float d2;          /* squared distance, mm^2 of the target; at most smr_aligner.far2 */
-    uint32_t triangle; /* triangle of the closest point; SMR_NONE: none in range with an agreeing normal */
+    uint32_t triangle; /* triangle of the closest point, or SMR_DISC + a disc's number; SMR_NONE: none in range with an
+                        * agreeing normal */
     uint32_t border;   /* 1: the closest point lies on an open border of its surface */
 } smr_pair;
 
@@ -152,6 +153,8 @@ static inline float smr_aligner_spread(const smr_aligner *a)
 /* Returns the cost of a pose: the better side's cost plus half of the other side's. A part lies on the whole, but the
  * whole not on a part; and a pose that matches all of a part is better than one that matches a little more of both. */
 static inline float smr_cost_of_sides(float a, float b) { return smr_min(a, b) + 0.5f * smr_max(a, b); }
+
+#define SMR_AGREE 0.1f /* smallest cosine between the normals of a sample and its closest point */
 
 /* ---- align_closest_points.c: pairs of closest points under a pose ---- */
 
@@ -268,6 +271,22 @@ void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_s
 /* Takes the poses in order: inserts at most two poses of each rotation. */
 void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coarse_place *tried, smr_pose_list *found);
 
+/* ---- align_discs.c: pairs with discs, which stand for a surface while poses are far off ---- */
+
+#define SMR_DISCS 256u       /* largest number of discs of a side; a multiple of the square of SMR_TREE_WIDTH */
+#define SMR_DISC 0x80000000u /* smr_pair.triangle of disc 0; more than any triangle's number */
+#define SMR_DISC_NODES (SMR_DISCS / (SMR_TREE_WIDTH * SMR_TREE_WIDTH))
+
+/* Samples of a side, each with the part of the tangent plane around it. */
+typedef struct smr_discs {
+    float x[6][SMR_DISCS];          /* x, y, z of centres, mm from the surface's origin, then of outward unit normals */
+    smr_node block[SMR_DISC_NODES]; /* boxes around SMR_TREE_WIDTH centres each */
+    float radius;                   /* of a disc, mm; 0: the side is a cloud without normals */
+} smr_discs;
+
+/* Does what smr_pairs_find() does, with the other side's discs, d, instead of its surface. */
+void smr_discs_find(const smr_aligner *a, const smr_discs *d, uint32_t side, const smr_pose *pose, smr_piece piece);
+
 /* ---- align_steps.c: the call as steps, each of which requests a search, a refinement or pairs ---- */
 
 #define SMR_ALIGN_PLACES 32u   /* poses of the coarse search that are compared together */
@@ -298,6 +317,7 @@ typedef struct smr_align_work {
     smr_aligner aligner;
     smr_side_work sum[SMR_SIDES];
     smr_coarse coarse;
+    smr_discs discs[SMR_SIDES];
     smr_pose_list found, nearer, shorter; /* lists of poses that a stage reads and writes */
     smr_pose_list best;                   /* poses after the longer refinement, cheapest first */
     smr_pose_list one;                    /* the one pose in work */
@@ -310,13 +330,14 @@ typedef struct smr_align_work {
 
     /* the refinement of a list, a group of poses at a time */
     const smr_pose_list *from;
-    smr_pose_list *into; /* refined poses go here, without failed ones, one of similar ones; NULL: to w->one */
-    uint32_t first, n;   /* first pose of the group; number of its poses */
-    uint32_t rounds;     /* most rounds; 0: only pairs are found */
-    uint32_t how;        /* SMR_REFINE_... */
-    uint32_t last;       /* 1: pairs are found for the last time, to be measured */
-    uint32_t of;         /* SMR_MEASURE_... of the one pose of a list without `into` */
-    const float *parts;  /* [SMR_SIDES] share of each side's samples up to which these measures go; NULL: as usual */
+    smr_pose_list *into;  /* refined poses go here, without failed ones, one of similar ones; NULL: to w->one */
+    uint32_t first, n;    /* first pose of the group; number of its poses */
+    uint32_t rounds;      /* most rounds; 0: only pairs are found */
+    uint32_t disc_rounds; /* number of first rounds that pair with discs; SMR_NONE: all rounds, and costs, too */
+    uint32_t how;         /* SMR_REFINE_... */
+    uint32_t last;        /* 1: pairs are found for the last time, to be measured */
+    uint32_t of;          /* SMR_MEASURE_... of the one pose of a list without `into` */
+    const float *parts;   /* [SMR_SIDES] share of each side's samples up to which these measures go; NULL: as usual */
     smr_refined group[SMR_ALIGN_GROUP];
     smr_align_slice *slice;       /* [n_slices] searches in work */
     uint32_t n_slices, next_pair; /* number of searches in work; first one of them among all pairs of the group */
@@ -360,6 +381,13 @@ int smr_align_begin_part(smr_align_work *w);
 /* Adds the changes of all surfaces to *changes. Returns 0 when one is no surface. */
 int smr_align_changes(const smr_align_work *w, uint32_t *changes);
 void smr_align_end_part(smr_align_work *w, int found); /* found 0: the part takes its neighbour's pose */
+
+#define SMR_DISC_TASKS 2u /* tasks, in order, that make a side's discs; those of the model are first */
+void smr_discs_make(smr_align_work *w, uint32_t task);
+
+/* Returns the squared distance, mm^2, beyond which a pair of a pose in refinement counts as much as none: for its cost,
+ * or for its weight, as the next round's limit of outliers is hardly larger. */
+float smr_align_range2(const smr_align_work *w, const smr_refined *r);
 
 /* Runs the next step. Returns 1 when the step requests work, 0 when it does not, -1 when no pose was found. */
 int smr_align_step(smr_align_work *w);

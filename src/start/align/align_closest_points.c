@@ -5,7 +5,6 @@
  * SPDX-License-Identifier: MIT */
 #include "start/align/align.h"
 
-#define SMR_AGREE 0.1f        /* smallest cosine between the normals of a sample and its closest point */
 #define SMR_UNTRIMMED 1.0e15f /* mm: outlier limit that no pair exceeds; its square still fits a float */
 #define SMR_STEADY 16u        /* smallest number of rounds before a refinement may end early, which rounding affects */
 #define SMR_STAGNANT 0.9995f  /* sum of squared distances / least sum so far above which a round is the last */

@@ -1,17 +1,22 @@
 /* align_steps.c: the start pose from two surfaces, without landmarks, and a report on it.
  * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
- * which is right for whole surfaces; refinements of the results and of the given pose, longer ones of the best. The
- * best pose is refined by all pairs when nearly all samples of both surfaces match, else without outliers. The given
- * pose is kept when it is about as good.
+ * which is right for whole surfaces; refinements of the results and of the given pose, longer ones of the best. Short
+ * ones pair samples with discs, longer ones first with discs, then with closest points. The best pose is refined by
+ * all pairs when nearly all samples of both surfaces match, else without outliers. The given pose is kept when it is
+ * about as good.
  * Bounds: 4 coarse searches, at most 49 refinements of SMR_ROUNDS_FIRST rounds, 40 of SMR_ROUNDS_SHORT, 4 of
  * SMR_ROUNDS, 2 of config.iterations; for the mirror image 1 search, 8 of SMR_ROUNDS_SHORT, 1 of SMR_ROUNDS.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align.h"
 
-#define SMR_ROUNDS_FIRST 2u       /* number of rounds of the first refinement, after which the best poses go on */
+#define SMR_ROUNDS_FIRST 4u       /* number of rounds of the first refinement, after which the best poses go on */
 #define SMR_NEARER 16u            /* largest number of poses that go on */
 #define SMR_ROUNDS_SHORT 6u       /* largest number of rounds of a short refinement */
 #define SMR_ROUNDS 16u            /* largest number of rounds of a longer refinement */
+#define SMR_ROUNDS_DISCS 4u       /* number of first rounds of a longer refinement that pair with discs */
+#define SMR_ROUNDS_WHOLE 6u       /* the same of a refinement of wholes by all pairs */
+#define SMR_RANGE 1.5f            /* search range / limit of outliers of the round before */
+#define SMR_RANGE_COST 1.01f      /* search range of costs / distance beyond which a sample does not match */
 #define SMR_FINALISTS 4u          /* largest number of poses that get a longer refinement */
 #define SMR_OF_SCALE 8u           /* number of poses kept from a search at another scale or for the mirror image */
 #define SMR_LARGER 1.136f         /* scale of a further search, as is its inverse: a part's spread gives no scale */
@@ -69,6 +74,14 @@ void smr_align_insert(const smr_aligner *a, const smr_pose *pose, float cost, sm
 
 /* ---- requests of the steps ---- */
 
+float smr_align_range2(const smr_align_work *w, const smr_refined *r)
+{
+    const float cost = SMR_RANGE_COST * w->aligner.limit, limit = SMR_RANGE * r->limit;
+    if (w->last)
+        return w->into != NULL ? cost * cost : FLT_MAX;
+    return r->round > 0u && (w->how & SMR_REFINE_TRIMMED) ? limit * limit : FLT_MAX;
+}
+
 static void start_search(smr_align_work *w, float scale, uint32_t n_shifts, int mirrored, uint32_t most)
 {
     w->search = (smr_coarse_search){.scale = scale, .n_shifts = n_shifts, .mirrored = mirrored};
@@ -79,6 +92,7 @@ static void start_search(smr_align_work *w, float scale, uint32_t n_shifts, int 
 static void refine(smr_align_work *w, const smr_pose_list *from, uint32_t samples, uint32_t rounds, uint32_t how,
                    smr_pose_list *into)
 {
+    w->disc_rounds = 0;
     w->from = from;
     w->into = into;
     w->aligner.used = samples;
@@ -136,6 +150,7 @@ static int find_poses(smr_align_work *w)
     smr_list_insert(&w->found, &w->given, 0.0f);
     smr_list_start(&w->nearer, SMR_NEARER);
     refine(w, &w->found, w->few, SMR_ROUNDS_FIRST, SMR_REFINE_TRIMMED, &w->nearer);
+    w->disc_rounds = SMR_NONE;
     return 1;
 }
 
@@ -143,6 +158,7 @@ static int refine_nearer(smr_align_work *w)
 {
     smr_list_start(&w->shorter, SMR_FINALISTS);
     refine(w, &w->nearer, w->few, SMR_ROUNDS_SHORT - SMR_ROUNDS_FIRST, SMR_REFINE_TRIMMED, &w->shorter);
+    w->disc_rounds = SMR_NONE;
     return 1;
 }
 
@@ -153,6 +169,7 @@ static int try_scale(smr_align_work *w, float scale, uint32_t how)
         return 0;
     start_search(w, scale, SMR_SHIFTS_LONG, 0, SMR_OF_SCALE);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
+    w->disc_rounds = SMR_NONE;
     return 1;
 }
 
@@ -171,6 +188,7 @@ static int refine_finalists(smr_align_work *w)
 {
     smr_list_start(&w->best, SMR_FINALISTS);
     refine(w, &w->shorter, w->some, SMR_ROUNDS, SMR_REFINE_SCALED | SMR_REFINE_TRIMMED, &w->best);
+    w->disc_rounds = SMR_ROUNDS_DISCS;
     return 1;
 }
 
@@ -207,6 +225,7 @@ static int refine_whole(smr_align_work *w)
     w->whole = smr_measure_share(m, SMR_MODEL) > SMR_WHOLE && smr_measure_share(m, SMR_TARGET) > SMR_WHOLE;
     if (w->whole)
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
+    w->disc_rounds = w->whole ? SMR_ROUNDS_WHOLE : w->disc_rounds;
     return w->whole;
 }
 
@@ -336,6 +355,7 @@ static int try_mirrored(smr_align_work *w)
     start_search(w, w->said.scale, SMR_SHIFTS_LONG, 1, SMR_OF_SCALE);
     smr_list_start(&w->shorter, 1);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED | w->scaled, &w->shorter);
+    w->disc_rounds = SMR_NONE;
     return 1;
 }
 
@@ -343,6 +363,7 @@ static int refine_mirrored(smr_align_work *w)
 {
     const smr_pose *pose = w->shorter.n > 0u ? &w->shorter.pose[0] : &w->found.pose[0];
     refine_one(w, pose, w->some, SMR_ROUNDS, SMR_REFINE_TRIMMED | w->scaled);
+    w->disc_rounds = SMR_ROUNDS_DISCS;
     return 1;
 }
 

@@ -70,11 +70,11 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
 /* Stages that others go back or on to. */
 enum {
     SMR_ALIGN_SIDES,
-    SMR_ALIGN_STEP,
-    SMR_ALIGN_GROUPS = 3,
+    SMR_ALIGN_STEP = 2,
+    SMR_ALIGN_GROUPS = 4,
     SMR_ALIGN_PAIRS,
-    SMR_ALIGN_MEASURES = 6,
-    SMR_ALIGN_JOINT = 11
+    SMR_ALIGN_MEASURES = 7,
+    SMR_ALIGN_JOINT = 12
 };
 
 static smr_align_work *work_of(const void *job) { return ((const align_job *)job)->w; }
@@ -101,6 +101,10 @@ static void make_sides(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const uint32_t n = smr_align_side_tasks(&w->aligner.side[SMR_MODEL]), side = task < n ? SMR_MODEL : SMR_TARGET;
     smr_align_side_make(&w->aligner.side[side], &w->sum[side], task < n ? task : task - n);
 }
+
+static uint32_t disc_tasks(const void *job) { return (void)job, SMR_SIDES * SMR_DISC_TASKS; }
+
+static void make_discs(void *job, uint32_t task, SMR_UNUSED uint32_t worker) { smr_discs_make(work_of(job), task); }
 
 /* Runs a step of the call. Another step follows, unless the step requests work. */
 static void run_step(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
@@ -180,10 +184,14 @@ static uint32_t pairs_tasks(const void *job)
 static int find_piece(const smr_align_work *w, uint32_t i, uint32_t side, smr_piece piece, smr_pause *pause)
 {
     const smr_refined *r = &w->group[i];
-    const smr_aligner a = aligner_of(w, i);
+    smr_aligner a = aligner_of(w, i);
+    a.far2 = smr_min(a.far2, smr_align_range2(w, r));
     if (r->state != SMR_REFINE_GOES_ON && (!w->last || r->state == SMR_REFINE_FAILED))
         return 1;
-    return smr_pairs_find(&a, side, &r->pose, piece, pause);
+    if (r->round >= w->disc_rounds)
+        return smr_pairs_find(&a, side, &r->pose, piece, pause);
+    smr_discs_find(&a, &w->discs[side == SMR_MODEL ? SMR_TARGET : SMR_MODEL], side, &r->pose, piece);
+    return 1;
 }
 
 static void find_some(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -286,6 +294,8 @@ static void fit(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_refined *const r = &w->group[task];
     if (w->last || r->state != SMR_REFINE_GOES_ON)
         return;
+    if (r->round == w->disc_rounds)
+        r->last = FLT_MAX; /* distances to discs are others than those to the surface */
     r->state = smr_align_round(w->how, r);
     if (r->state == SMR_REFINE_GOES_ON && r->round == w->rounds)
         r->state = SMR_REFINE_ENDED;
@@ -315,6 +325,7 @@ static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
 
 static const smr_stage stages[] = {
     {side_tasks, make_sides, smr_in_order, NULL},
+    {disc_tasks, make_discs, smr_in_order, NULL},
     {NULL, run_step, NULL, NULL},
     {try_tasks, try_pose, try_places, take_poses},
     {NULL, begin_group, NULL, NULL},
