@@ -382,7 +382,9 @@ int smr_align_begin_part(smr_align_work *w);
 int smr_align_changes(const smr_align_work *w, uint32_t *changes);
 void smr_align_end_part(smr_align_work *w, int found); /* found 0: the part takes its neighbour's pose */
 
-#define SMR_DISC_TASKS 2u /* tasks, in order, that make a side's discs; those of the model are first */
+#define SMR_DISC_PIECE 32u                           /* discs in a task that finds places on a Hilbert curve */
+#define SMR_DISC_PLACES (SMR_DISCS / SMR_DISC_PIECE) /* number of these tasks; then discs are sorted, then made */
+#define SMR_DISC_TASKS (SMR_DISC_PLACES + 2u)        /* tasks, in order, of a side; those of the model are first */
 void smr_discs_make(smr_align_work *w, uint32_t task);
 
 /* Returns the squared distance, mm^2, beyond which a pair of a pose in refinement counts as much as none: for its cost,

@@ -9,17 +9,16 @@
 #define SMR_DISC_RADIUS 1.5f /* radius of a disc / radius of a circle of the mean area around a disc's centre */
 #define SMR_PER_PI 0.318309886f
 
-/* Writes the samples' numbers in order of the Hilbert curve to `item`. key, tmp: scratch. */
-static void order(const smr_align_side *side, uint32_t n, uint32_t *key, uint32_t *item, uint32_t *tmp)
+/* Writes the numbers of samples, and their places on the Hilbert curve, for a piece of the n discs. */
+static void place_some(const smr_align_side *side, uint32_t n, smr_piece piece, uint32_t *key, uint32_t *item)
 {
     smr_box box = smr_no_box();
     for (uint32_t k = 0; k < n; k++)
         smr_box_grow(&box, side->point[smr_sample(side, k, n)]);
-    for (uint32_t k = 0; k < n; k++) {
+    for (uint32_t k = piece.first; k < piece.last; k++) {
         item[k] = smr_sample(side, k, n);
         key[k] = smr_curve_key(box, side->point[item[k]]);
     }
-    smr_curve_sort(key, item, tmp, n);
 }
 
 /* Sets the boxes around centres. Places behind the last of n discs lie so far away that no search reaches them. */
@@ -44,10 +43,13 @@ void smr_discs_make(smr_align_work *w, uint32_t task)
     const uint32_t n = smr_min_u32(side->n, SMR_DISCS);
     uint32_t *const key = (uint32_t *)(void *)w->place, *const item = key + SMR_DISCS; /* no pose is tried yet */
     _Static_assert(SMR_ALIGN_PLACES * sizeof *w->place >= 4u * SMR_DISCS * sizeof *key, "room for keys and items");
-    if (task % SMR_DISC_TASKS == 0u) {
-        order(side, n, key, item, item + SMR_DISCS);
+    const uint32_t step = task % SMR_DISC_TASKS;
+    if (step < SMR_DISC_PLACES)
+        place_some(side, n, smr_piece_of(step, SMR_DISC_PIECE, n), key, item);
+    if (step == SMR_DISC_PLACES)
+        smr_curve_sort(key, item, item + SMR_DISCS, n);
+    if (step <= SMR_DISC_PLACES)
         return;
-    }
     for (uint32_t k = 0; k < SMR_DISCS; k++) {
         float v[6] = {SMR_FAR, SMR_FAR, SMR_FAR, 0, 0, 0};
         if (k < n) {
