@@ -591,9 +591,9 @@ smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *ta
                                  const smr_port *port, void *memory, size_t bytes, float *xyz, uint32_t *bent,
                                  smr_job *job);
 
-/* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm; scaled 1: with one scale, the ratio of
- * spreads. *rms_mm (or NULL): rms of the remaining distances. Of several best rotations (fewer than 3 pairs, or all on
- * a line) it is one. Errors: E_NULL, E_INPUT (a count, scaled above 1, non-finite, beyond SMR_COORD_MAX). */
+/* Computes the least-squares pose that lays from[i] onto to[i], both [n][3] mm, n <= SMR_LANDMARKS_MAX; scaled 1: with
+ * the ratio of spreads as scale. *rms_mm (or NULL): rms of the remaining distances. Of several best rotations (fewer
+ * than 3 pairs, or all on a line) it is one. Errors: E_NULL, E_INPUT (n, scaled, non-finite, beyond SMR_COORD_MAX). */
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 
