@@ -24,8 +24,8 @@
 #define SMR_IMAGE_MOST 4.0f    /* largest squared observation / their mean, which is found in SMR_IMAGE_MEANS rounds */
 #define SMR_IMAGE_MEANS 8u
 #define SMR_IMAGE_SIZE 1.4f     /* size2 / that mean */
-#define SMR_IMAGE_MATCHED 0.95f /* share of vertices that find a goal in a clear image */
-#define SMR_IMAGE_CHANCE 0.5f   /* share of them below which goals of a structure are not trusted less */
+#define SMR_IMAGE_MATCHED 0.95f /* share of vertices with a goal, in an image, for which errors stay as computed */
+#define SMR_IMAGE_CHANCE 0.5f   /* smallest such share that counts: goals by chance are no worse than this */
 #define SMR_NOISE_SHARE 0.64f   /* (mean absolute error)^2 / mean square error of normal noise: 2 / pi */
 #define SMR_UNSEEN_NEAR 0.06f   /* variance across / process' variance, at invisible vertices near visible ones */
 #define SMR_UNSEEN_IMAGE 0.75f  /* variance across / process' variance, invisible vertices of a partly shown model */
@@ -272,8 +272,7 @@ static solved solve(const smr_normal_field *f, const places *p)
 /* Returns a factor of squared errors. In an image: the fewer vertices found a goal, the less sure are those found. */
 static float unsure(const smr_judgement *j)
 {
-    const float matched =
-        SMR_HAS_IMAGE && j->by == SMR_BY_IMAGE ? smr_forces_matched(&j->s->forces, j->structure) : -1.0f;
+    const float matched = j->by == SMR_BY_IMAGE ? smr_mean_of(j->e.goals, -1.0f) : -1.0f;
     const float more = SMR_IMAGE_MATCHED / smr_max(matched, SMR_IMAGE_CHANCE);
     return matched < 0.0f ? 1.0f : more * more;
 }

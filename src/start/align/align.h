@@ -281,10 +281,10 @@ void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coars
 typedef struct smr_discs {
     float x[6][SMR_DISCS];          /* x, y, z of centres, mm from the surface's origin, then of outward unit normals */
     smr_node block[SMR_DISC_NODES]; /* boxes around SMR_TREE_WIDTH centres each */
-    float radius;                   /* of a disc, mm; 0: the side is a cloud without normals */
+    float radius;                   /* of a disc, mm */
 } smr_discs;
 
-/* Does what smr_pairs_find() does, with the other side's discs, d, instead of its surface. */
+/* Does what smr_pairs_find() does, with the other side's discs, d, instead of its surface. Neither side is a cloud. */
 void smr_discs_find(const smr_aligner *a, const smr_discs *d, uint32_t side, const smr_pose *pose, smr_piece piece);
 
 /* ---- align_steps.c: the call as steps, each of which requests a search, a refinement or pairs ---- */
@@ -382,10 +382,15 @@ int smr_align_begin_part(smr_align_work *w);
 int smr_align_changes(const smr_align_work *w, uint32_t *changes);
 void smr_align_end_part(smr_align_work *w, int found); /* found 0: the part takes its neighbour's pose */
 
+/* ---- align_discs.c: making discs ---- */
+
 #define SMR_DISC_PIECE 32u                           /* discs in a task that finds places on a Hilbert curve */
 #define SMR_DISC_PLACES (SMR_DISCS / SMR_DISC_PIECE) /* number of these tasks; then discs are sorted, then made */
 #define SMR_DISC_TASKS (SMR_DISC_PLACES + 2u)        /* tasks, in order, of a side; those of the model are first */
+/* Makes discs of both sides from their samples. w->place holds the order of discs between tasks. */
 void smr_discs_make(smr_align_work *w, uint32_t task);
+
+/* ---- align_steps.c ---- */
 
 /* Returns the squared distance, mm^2, beyond which a pair of a pose in refinement counts as much as none: for its cost,
  * or for its weight, as the next round's limit of outliers is hardly larger. */

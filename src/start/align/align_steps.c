@@ -101,6 +101,15 @@ static void refine(smr_align_work *w, const smr_pose_list *from, uint32_t sample
     w->first = 0;
 }
 
+/* Sets the number of first rounds that pair with discs. Clouds, whose points stand for no area, have none, and few
+ * samples make none that are fine enough. */
+static void use_discs(smr_align_work *w, uint32_t rounds)
+{
+    const smr_align_side *side = w->aligner.side;
+    const int cloud = smr_is_cloud(side[SMR_MODEL].surface) || smr_is_cloud(side[SMR_TARGET].surface);
+    w->disc_rounds = cloud || w->all < SMR_DISCS ? 0u : rounds;
+}
+
 /* Starts the refinement of one pose, or with rounds 0 the search of its pairs. */
 static void refine_one(smr_align_work *w, const smr_pose *pose, uint32_t samples, uint32_t rounds, uint32_t how)
 {
@@ -150,7 +159,7 @@ static int find_poses(smr_align_work *w)
     smr_list_insert(&w->found, &w->given, 0.0f);
     smr_list_start(&w->nearer, SMR_NEARER);
     refine(w, &w->found, w->few, SMR_ROUNDS_FIRST, SMR_REFINE_TRIMMED, &w->nearer);
-    w->disc_rounds = SMR_NONE;
+    use_discs(w, SMR_NONE);
     return 1;
 }
 
@@ -158,7 +167,7 @@ static int refine_nearer(smr_align_work *w)
 {
     smr_list_start(&w->shorter, SMR_FINALISTS);
     refine(w, &w->nearer, w->few, SMR_ROUNDS_SHORT - SMR_ROUNDS_FIRST, SMR_REFINE_TRIMMED, &w->shorter);
-    w->disc_rounds = SMR_NONE;
+    use_discs(w, SMR_NONE);
     return 1;
 }
 
@@ -169,7 +178,7 @@ static int try_scale(smr_align_work *w, float scale, uint32_t how)
         return 0;
     start_search(w, scale, SMR_SHIFTS_LONG, 0, SMR_OF_SCALE);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_SCALED | how, &w->shorter);
-    w->disc_rounds = SMR_NONE;
+    use_discs(w, SMR_NONE);
     return 1;
 }
 
@@ -188,7 +197,7 @@ static int refine_finalists(smr_align_work *w)
 {
     smr_list_start(&w->best, SMR_FINALISTS);
     refine(w, &w->shorter, w->some, SMR_ROUNDS, SMR_REFINE_SCALED | SMR_REFINE_TRIMMED, &w->best);
-    w->disc_rounds = SMR_ROUNDS_DISCS;
+    use_discs(w, SMR_ROUNDS_DISCS);
     return 1;
 }
 
@@ -223,9 +232,10 @@ static int refine_whole(smr_align_work *w)
     const smr_measure *m = measured(w);
     w->cost = smr_measure_cost(&w->aligner, m);
     w->whole = smr_measure_share(m, SMR_MODEL) > SMR_WHOLE && smr_measure_share(m, SMR_TARGET) > SMR_WHOLE;
-    if (w->whole)
+    if (w->whole) {
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
-    w->disc_rounds = w->whole ? SMR_ROUNDS_WHOLE : w->disc_rounds;
+        use_discs(w, smr_min_u32(SMR_ROUNDS_WHOLE, w->iterations / 2u));
+    }
     return w->whole;
 }
 
@@ -355,7 +365,7 @@ static int try_mirrored(smr_align_work *w)
     start_search(w, w->said.scale, SMR_SHIFTS_LONG, 1, SMR_OF_SCALE);
     smr_list_start(&w->shorter, 1);
     refine(w, &w->found, w->few, SMR_ROUNDS_SHORT, SMR_REFINE_TRIMMED | w->scaled, &w->shorter);
-    w->disc_rounds = SMR_NONE;
+    use_discs(w, SMR_NONE);
     return 1;
 }
 
@@ -363,7 +373,7 @@ static int refine_mirrored(smr_align_work *w)
 {
     const smr_pose *pose = w->shorter.n > 0u ? &w->shorter.pose[0] : &w->found.pose[0];
     refine_one(w, pose, w->some, SMR_ROUNDS, SMR_REFINE_TRIMMED | w->scaled);
-    w->disc_rounds = SMR_ROUNDS_DISCS;
+    use_discs(w, SMR_ROUNDS_DISCS);
     return 1;
 }
 
