@@ -1,14 +1,13 @@
 /* align_discs.c: pairs of samples with discs: samples of the other side, each with the tangent plane around it up to a
- * radius. In the first rounds discs serve as well as the surface, and a pair takes a fifth of the time of a pair
- * with triangles, or less. Discs are numbered along a Hilbert curve, so that boxes around a few of them are small.
+ * radius. In the first rounds discs serve as well as the surface, and a pair takes a fifth of the time of a pair with
+ * triangles, or less. Discs are numbered along a Hilbert curve, so that boxes around a few of them are small.
  * Bounds: SMR_DISCS + SMR_TREE_WIDTH distances for a pair.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "start/align/align.h"
 
 #define SMR_DISC_RADIUS 1.5f /* radius of a disc / radius of a circle of the mean area around a disc's centre */
-#define SMR_DISC_BEYOND                                                                                                \
-    0.5f /* distance from the edge, along a disc's plane / radius, beyond which it counts as a border */
+#define SMR_DISC_BEYOND 0.5f /* distance beyond the edge / radius above which the edge counts as a border */
 #define SMR_PER_PI 0.318309886f
 
 /* Writes the numbers of samples, and their places on the Hilbert curve, for a piece of the n discs. */
@@ -119,8 +118,7 @@ void smr_discs_find(const smr_aligner *a, const smr_discs *d, uint32_t side, con
 {
     const smr_align_side *const from = &a->side[side];
     const smr_pose move = side == SMR_MODEL ? *pose : smr_pose_invert(pose);
-    const float scale =
-        side == SMR_MODEL ? 1.0f : smr_pose_scale(pose); /* mm of the target in a mm of the discs' side */
+    const float scale = side == SMR_MODEL ? 1.0f : smr_pose_scale(pose); /* mm of the target in a mm of the discs */
     const float far = SMR_SQRT(a->far2) / scale + d->radius;
     for (uint32_t k = piece.first; k < piece.last; k++) {
         const uint32_t i = smr_sample(from, k, a->used);
