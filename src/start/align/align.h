@@ -271,7 +271,7 @@ void smr_align_try(const smr_aligner *a, const smr_coarse *c, const smr_coarse_s
 /* Takes the poses in order: inserts at most two poses of each rotation. */
 void smr_align_tried(smr_coarse_search *search, uint32_t number, const smr_coarse_place *tried, smr_pose_list *found);
 
-/* ---- align_discs.c: pairs with discs, which stand for a surface while poses are far off ---- */
+/* ---- align_discs.c: pairs with discs, which stand for a surface in first rounds ---- */
 
 #define SMR_DISCS 256u       /* largest number of discs of a side; a multiple of the square of SMR_TREE_WIDTH */
 #define SMR_DISC 0x80000000u /* smr_pair.triangle of disc 0; more than any triangle's number */
