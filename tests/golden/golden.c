@@ -122,6 +122,8 @@ static int golden_meshes(smr_mesh *mesh)
         mesh[i].n_vertices = m.n_vertices;
         mesh[i].n_triangles = m.n_triangles;
     }
+    for (uint32_t v = 16; v < mesh[1].n_vertices; v += 64u)
+        golden_xyz[1][3u * v] += 12.0f; /* tips of the target */
     return 1;
 }
 
@@ -134,7 +136,7 @@ static int golden_prepare(const smr_mesh *mesh, const smr_model **model, size_t 
     config.n_radii = 3;
     config.radius_mm[0] = 110.0f;
     config.radius_mm[1] = 60.0f;
-    config.radius_mm[2] = 35.0f;
+    config.radius_mm[2] = 5.0f; /* below the mean edge */
     return golden_ok("prepare bytes", smr_prepare_bytes(&structure, 1, &config, &need)) &&
            golden_ok("scratch size", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
            golden_ok("prepare", smr_prepare(&structure, 1, &config, golden_scratch, sizeof golden_scratch, golden_image,

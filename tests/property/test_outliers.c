@@ -107,6 +107,41 @@ TEST(test_coarse_plate)
     assert_true(verdict.other_share > 0.5f && verdict.target_covered > 0.99f);
 }
 
+/* Returns the distance between p and the surface of a mesh with the vertices x, mm. */
+static double surface_far(const float *p, const smr_mesh *mesh, const float *x)
+{
+    double least = 1.0e9, at[3], corner[3][3];
+    oracle_widen(p, at, 3);
+    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
+        for (uint32_t c = 0; c < 3u; c++)
+            oracle_widen(x + 3u * (size_t)mesh->triangles[3u * k + c], corner[c], 3);
+        least = fmin(least, oracle_triangle(at, corner[0], corner[1], corner[2])); /* squared */
+    }
+    return sqrt(least);
+}
+
+/* Single vertices that stand out of the target by an edge are tips, no outliers: the model nears them. */
+TEST(test_tips)
+{
+    enum { EVERY = 97 };
+    smr_verdict verdict;
+    const smr_model *model = rig_model(&source, 1, NULL);
+    const float high = 1.2f * smr_le_float(model->edge_mm);
+    const smr_surface *const smooth = rig_surface(&target);
+    float *xyz = rig_alloc(3u * (size_t)target.n_vertices * sizeof *xyz);
+    double far = 0.0, n = 0.0;
+    smr_mesh spiked = target;
+    memcpy(xyz, target.xyz, 3u * (size_t)target.n_vertices * sizeof *xyz);
+    for (uint32_t v = 0; v < target.n_vertices; v += EVERY)
+        for (uint32_t c = 0; c < 3u; c++)
+            xyz[3u * v + c] += high * smooth->normal[3u * v + c];
+    spiked.xyz = xyz;
+    const float *const x = rig_positions(onto_mesh(&spiked, &verdict), model);
+    for (uint32_t v = 0; v < target.n_vertices; v += EVERY, n += 1.0)
+        far += surface_far(xyz + 3u * v, &source, x);
+    assert_true(far < 0.42 * n * (double)high); /* 0.51 where their weights do not grow */
+}
+
 static smr *onto_points(double strays, smr_verdict *verdict)
 {
     oracle_random r = oracle_seed(5);

@@ -22,6 +22,13 @@
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius / scale of residuals that is assumed for a moved target */
 #define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
+/* Tips and corners of a mesh: residuals above NONE cuts by the scale. Each further cut, up to MOST, adds GAIN to their
+ * weight, and the first doubles the cut in edges. Without that the mean of all pulls hardly reaches tips. */
+#define SMR_TIP_NONE 2.0f
+#define SMR_TIP_MOST 10.0f
+#define SMR_TIP_GAIN 8.0f
+#define SMR_TIP_MM 1.0e4f /* largest mean edge, mm, of a model with tips: sums of pulls stay within 63 bits */
+
 /* A component's share of inliers / largest share of a component: another body below NONE, the model's above FULL. */
 #define SMR_BODY_NONE 0.3f
 #define SMR_BODY_FULL 0.6f
@@ -56,6 +63,17 @@ static float cut_of(const smr_surface_goals *g, const smr_surface *surface, floa
     return smr_max(SMR_OUTLIER_CUT * scale, least);
 }
 
+/* Returns by how many cuts a mesh' residual is above SMR_TIP_NONE cuts. Clusters of an edge or more give 0: there
+ * residuals are those of stiffness. */
+static float tip_of(const smr_surface_goals *g, const smr_surface *surface, float scale, float r2)
+{
+    const float edge = smr_le_float(g->shared->model->edge_mm);
+    if (smr_is_cloud(surface) || !(g->schedule->lists.radius < edge) || !(edge < SMR_TIP_MM))
+        return 0.0f;
+    const float cuts = SMR_SQRT(r2) / smr_max(SMR_OUTLIER_CUT * scale, SMR_OUTLIER_TINY);
+    return smr_clamp(cuts - SMR_TIP_NONE, 0.0f, SMR_TIP_MOST);
+}
+
 static uint32_t body_slot(const smr_goal *goal, uint32_t j)
 {
     return goal->first_body + smr_min_u32(smr_surface_body(goal->surface, j), SMR_BODY_SMALL + goal->n_bodies);
@@ -66,7 +84,10 @@ float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint3
     const float scale = g->target[goal->structure].scale;
     if (!(scale > 0.0f)) /* a new target: a mesh waits one iteration, a cloud has no other goals */
         return smr_is_cloud(goal->surface) ? 1.0f : 0.0f;
-    return biweight(r2, cut_of(g, goal->surface, scale)) * (1.0f / 255.0f) * (float)g->body_weight[body_slot(goal, j)];
+    const float tip = tip_of(g, goal->surface, scale, r2);
+    const float cut = cut_of(g, goal->surface, scale) * (1.0f + smr_min(tip, 1.0f));
+    return (1.0f + SMR_TIP_GAIN * tip) * biweight(r2, cut) * (1.0f / 255.0f) *
+           (float)g->body_weight[body_slot(goal, j)];
 }
 
 const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure)
