@@ -142,6 +142,33 @@ TEST(test_tips)
     assert_true(far < 0.42 * n * (double)high); /* 0.51 where their weights do not grow */
 }
 
+/* Small triangles an edge above the target, a seventh of all and so no fragments, are strays, no tips. */
+TEST(test_strays_are_no_tips)
+{
+    enum { EVERY = 3 };
+    smr_verdict verdict;
+    const float high = 1.2f * smr_le_float(rig_model(&source, 1, NULL)->edge_mm);
+    const smr_surface *const smooth = rig_surface(&target);
+    const uint32_t nv = target.n_vertices, n = nv / EVERY;
+    float *xyz = rig_alloc(3u * ((size_t)nv + 3u * (size_t)n) * sizeof *xyz);
+    uint32_t *t = rig_alloc(3u * ((size_t)target.n_triangles + n) * sizeof *t);
+    memcpy(xyz, target.xyz, 3u * (size_t)nv * sizeof *xyz);
+    memcpy(t, target.triangles, 3u * (size_t)target.n_triangles * sizeof *t);
+    for (uint32_t k = 0; k < 3u * n; k++) {
+        const uint32_t v = k / 3u * EVERY, at = 3u * (nv + k);
+        for (uint32_t c = 0; c < 3u; c++)
+            xyz[at + c] = target.xyz[3u * v + c] + high * smooth->normal[3u * v + c] + (c == k % 3u ? 2.0f : 0.0f);
+        t[3u * target.n_triangles + k] = nv + k;
+    }
+    const smr_mesh strewn = {
+        .xyz = xyz, .n_vertices = nv + 3u * n, .triangles = t, .n_triangles = target.n_triangles + n};
+    const float *const x = rig_positions(onto_mesh(&strewn, &verdict), rig_model(&source, 1, NULL));
+    double far = 0.0, n_far = 0.0;
+    for (uint32_t v = 0; v < source.n_vertices; v += 50u, n_far += 1.0)
+        far += surface_far(x + 3u * v, &target, target.xyz);
+    assert_true(far < 0.45 * n_far); /* 0.30; 0.73 where they are taken for tips */
+}
+
 static smr *onto_points(double strays, smr_verdict *verdict)
 {
     oracle_random r = oracle_seed(5);

@@ -63,12 +63,12 @@ static float cut_of(const smr_surface_goals *g, const smr_surface *surface, floa
     return smr_max(SMR_OUTLIER_CUT * scale, least);
 }
 
-/* Returns by how many cuts a mesh' residual is above SMR_TIP_NONE cuts. Clusters of an edge or more give 0: there
- * residuals are those of stiffness. */
-static float tip_of(const smr_surface_goals *g, const smr_surface *surface, float scale, float r2)
+/* Returns by how many cuts the residual of target vertex j is above SMR_TIP_NONE cuts: 0 in clouds and in small
+ * components, where it is a stray, and at clusters of an edge or more, whose residuals are those of stiffness. */
+static float tip_of(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, float scale, float r2)
 {
     const float edge = smr_le_float(g->shared->model->edge_mm);
-    if (smr_is_cloud(surface) || !(g->schedule->lists.radius < edge) || !(edge < SMR_TIP_MM))
+    if (!(g->schedule->lists.radius < edge) || !(edge < SMR_TIP_MM) || smr_surface_body(surface, j) < SMR_BODY_FIRST)
         return 0.0f;
     const float cuts = SMR_SQRT(r2) / smr_max(SMR_OUTLIER_CUT * scale, SMR_OUTLIER_TINY);
     return smr_clamp(cuts - SMR_TIP_NONE, 0.0f, SMR_TIP_MOST);
@@ -84,7 +84,7 @@ float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint3
     const float scale = g->target[goal->structure].scale;
     if (!(scale > 0.0f)) /* a new target: a mesh waits one iteration, a cloud has no other goals */
         return smr_is_cloud(goal->surface) ? 1.0f : 0.0f;
-    const float tip = tip_of(g, goal->surface, scale, r2);
+    const float tip = tip_of(g, goal->surface, j, scale, r2);
     const float cut = cut_of(g, goal->surface, scale) * (1.0f + smr_min(tip, 1.0f));
     return (1.0f + SMR_TIP_GAIN * tip) * biweight(r2, cut) * (1.0f / 255.0f) *
            (float)g->body_weight[body_slot(goal, j)];
