@@ -120,7 +120,7 @@ static double surface_far(const float *p, const smr_mesh *mesh, const float *x)
     return sqrt(least);
 }
 
-/* Single vertices that stand out of the target by an edge are tips, no outliers: the model nears them. */
+/* Single vertices that stand out of the target by 1.2 edges are tips, no outliers: the model nears them. */
 TEST(test_tips)
 {
     enum { EVERY = 97 };
@@ -142,7 +142,7 @@ TEST(test_tips)
     assert_true(far < 0.42 * n * (double)high); /* 0.51 where their weights do not grow */
 }
 
-/* Small triangles an edge above the target, a seventh of all and so no fragments, are strays, no tips. */
+/* Small triangles 1.2 edges above the target, a seventh of all and so no fragments, are strays, no tips. */
 TEST(test_strays_are_no_tips)
 {
     enum { EVERY = 3 };

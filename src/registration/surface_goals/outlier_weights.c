@@ -22,8 +22,8 @@
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius / scale of residuals that is assumed for a moved target */
 #define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
-/* Tips and corners of a mesh: residuals above NONE cuts by the scale. Each further cut, up to MOST, adds GAIN to their
- * weight, and the first doubles the cut in edges. Without that the mean of all pulls hardly reaches tips. */
+/* Tips and corners of a mesh have residuals above NONE times SMR_OUTLIER_CUT scales. Each further cut, up to MOST, adds
+ * GAIN to their weight; over the first the residual of weight 0 doubles. Else means of pulls hardly reach tips. */
 #define SMR_TIP_NONE 2.0f
 #define SMR_TIP_MOST 10.0f
 #define SMR_TIP_GAIN 8.0f
