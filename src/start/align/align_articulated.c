@@ -20,7 +20,7 @@
 #define SMR_BENT_DEAR_PART 0.05f  /* the same where one surface lacks a part of the other */
 #define SMR_BENT_PART 0.3f        /* cost of a side above which the other surface lacks a part of it */
 #define SMR_BENT_OTHER 0.3f       /* the same cost below which the model may also be another body of the same kind */
-#define SMR_BENT_SAME 0.015f      /* then the largest cost of a result / cost of the start pose, on the better side */
+#define SMR_BENT_SAME 0.008f      /* then the largest cost of a result / cost of the start pose, on the better side */
 #define SMR_BENT_ALIKE 0.002f     /* where a part lacks: cost of a result that suffices, whatever the start pose's */
 #define SMR_BENT_LOST 0.75f       /* cost on both sides above which the start pose is no start */
 #define SMR_BENT_CHEAPER 0.5f     /* largest cost of a result / cost of the start pose */

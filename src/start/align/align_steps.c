@@ -28,6 +28,8 @@
 #define SMR_FAR_SHARE 0.75f       /* search range of closest points / larger spread of both surfaces */
 #define SMR_EXPLAINED_SHARE 0.08f /* distance beyond which samples do not match / smaller spread */
 #define SMR_WHOLE 0.9f            /* share of matching samples above which, on both sides, surfaces are wholes */
+#define SMR_WHOLE_TRIED 0.6f      /* the same above which they may be deformed wholes */
+#define SMR_WHOLE_MET 0.96f       /* the same after a refinement by all pairs above which they are */
 #define SMR_WHOLE_WORSE 1.2f      /* largest cost after a refinement by all pairs / cost before, for wholes */
 #define SMR_WHOLE_SLACK 0.02f     /* cost added to SMR_WHOLE_WORSE times the cost before */
 #define SMR_GIVEN_WORSE 1.25f     /* largest rms distance / rms of the found pose with which the given pose is kept */
@@ -226,12 +228,19 @@ static int measure_best(smr_align_work *w)
     return 1;
 }
 
-/* Refines the best pose by all pairs, if both surfaces are wholes. */
+/* Returns the share of matching samples of the side that matches less. */
+static float least_share(const smr_measure *m)
+{
+    return smr_min(smr_measure_share(m, SMR_MODEL), smr_measure_share(m, SMR_TARGET));
+}
+
+/* Refines the best pose by all pairs, if both surfaces may be wholes. */
 static int refine_whole(smr_align_work *w)
 {
     const smr_measure *m = measured(w);
     w->cost = smr_measure_cost(&w->aligner, m);
-    w->whole = smr_measure_share(m, SMR_MODEL) > SMR_WHOLE && smr_measure_share(m, SMR_TARGET) > SMR_WHOLE;
+    w->least = least_share(m);
+    w->whole = w->least > SMR_WHOLE_TRIED;
     if (w->whole) {
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
         use_discs(w, smr_min_u32(SMR_ROUNDS_WHOLE, w->iterations / 2u));
@@ -242,16 +251,19 @@ static int refine_whole(smr_align_work *w)
 static int measure_whole(smr_align_work *w)
 {
     if (w->whole)
-        find_pairs(w, &w->one.pose[0], w->some, SMR_MEASURE_SUMS);
+        find_pairs(w, &w->one.pose[0], w->some, SMR_MEASURE_RANKS | SMR_MEASURE_SUMS);
     return w->whole;
 }
 
-/* Without wholes, or where a refinement by all pairs has matched unlike parts, so that the cost has grown: outliers are
- * rejected. Without a scale the refinement starts from the rigid pose that fits the scaled pose's pairs. */
+/* Without wholes, or where a refinement by all pairs has matched unlike parts, so that the cost has grown or samples
+ * are left: outliers are rejected. Without a scale the refinement starts from the rigid pose that fits the scaled
+ * pose's pairs. */
 static int fit_part(smr_align_work *w)
 {
-    if (w->whole && w->scaled)
-        w->whole = smr_measure_cost(&w->aligner, measured(w)) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
+    const int told = w->least > SMR_WHOLE;
+    if (w->whole && (w->scaled || !told))
+        w->whole = (told || least_share(measured(w)) > SMR_WHOLE_MET) &&
+                   smr_measure_cost(&w->aligner, measured(w)) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
     if (w->whole)
         return 0;
     w->one.pose[0] = w->best.pose[0];
