@@ -28,7 +28,7 @@
 #define SMR_FAR_SHARE 0.75f       /* search range of closest points / larger spread of both surfaces */
 #define SMR_EXPLAINED_SHARE 0.08f /* distance beyond which samples do not match / smaller spread */
 #define SMR_WHOLE 0.9f            /* share of matching samples above which, on both sides, surfaces are wholes */
-#define SMR_WHOLE_TRIED 0.6f      /* the same above which they may be deformed wholes */
+#define SMR_WHOLE_TRIED 0.6f      /* the same above which they may be deformed wholes that have no joints */
 #define SMR_WHOLE_MET 0.96f       /* the same after a refinement by all pairs above which they are */
 #define SMR_WHOLE_WORSE 1.2f      /* largest cost after a refinement by all pairs / cost before, for wholes */
 #define SMR_WHOLE_SLACK 0.02f     /* cost added to SMR_WHOLE_WORSE times the cost before */
@@ -240,7 +240,7 @@ static int refine_whole(smr_align_work *w)
     const smr_measure *m = measured(w);
     w->cost = smr_measure_cost(&w->aligner, m);
     w->least = least_share(m);
-    w->whole = w->least > SMR_WHOLE_TRIED;
+    w->whole = w->least > (w->n_parts > 0u ? SMR_WHOLE : SMR_WHOLE_TRIED);
     if (w->whole) {
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
         use_discs(w, smr_min_u32(SMR_ROUNDS_WHOLE, w->iterations / 2u));
