@@ -228,19 +228,15 @@ static int measure_best(smr_align_work *w)
     return 1;
 }
 
-/* Returns the share of matching samples of the side that matches less. */
-static float least_share(const smr_measure *m)
-{
-    return smr_min(smr_measure_share(m, SMR_MODEL), smr_measure_share(m, SMR_TARGET));
-}
-
-/* Refines the best pose by all pairs, if both surfaces may be wholes. */
+/* Refines the best pose by all pairs, if both surfaces may be wholes: a surface that matches alone is a part. */
 static int refine_whole(smr_align_work *w)
 {
     const smr_measure *m = measured(w);
+    const float model = smr_measure_share(m, SMR_MODEL), target = smr_measure_share(m, SMR_TARGET);
     w->cost = smr_measure_cost(&w->aligner, m);
-    w->least = least_share(m);
-    w->whole = w->least > (w->n_parts > 0u ? SMR_WHOLE : SMR_WHOLE_TRIED);
+    w->least = smr_min(model, target);
+    w->whole = w->least > SMR_WHOLE ||
+               (w->least > SMR_WHOLE_TRIED && smr_max(model, target) < SMR_WHOLE_MET && w->n_parts == 0u);
     if (w->whole) {
         refine_one(w, &w->best.pose[0], w->all, w->iterations, w->scaled);
         use_discs(w, smr_min_u32(SMR_ROUNDS_WHOLE, w->iterations / 2u));
@@ -260,10 +256,11 @@ static int measure_whole(smr_align_work *w)
  * pose's pairs. */
 static int fit_part(smr_align_work *w)
 {
-    const int told = w->least > SMR_WHOLE;
-    if (w->whole && (w->scaled || !told))
-        w->whole = (told || least_share(measured(w)) > SMR_WHOLE_MET) &&
-                   smr_measure_cost(&w->aligner, measured(w)) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
+    const smr_measure *m = measured(w);
+    const float least = smr_min(smr_measure_share(m, SMR_MODEL), smr_measure_share(m, SMR_TARGET));
+    if (w->whole && (w->scaled || w->least <= SMR_WHOLE))
+        w->whole = (w->least > SMR_WHOLE || least > SMR_WHOLE_MET) &&
+                   smr_measure_cost(&w->aligner, m) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
     if (w->whole)
         return 0;
     w->one.pose[0] = w->best.pose[0];
