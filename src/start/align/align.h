@@ -348,7 +348,7 @@ typedef struct smr_align_work {
     uint32_t other; /* pose of `best` that is compared with the result */
     smr_pose given, result;
     float cost;  /* of the best pose before its last refinement */
-    float least; /* then share of matching samples of the side that matches less */
+    float least; /* share of matching samples at that pose, of the side that matches less */
     float share[SMR_SIDES];
     int whole; /* 1: both surfaces are wholes and all pairs count */
     uint32_t scaled, iterations;

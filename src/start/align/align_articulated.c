@@ -4,8 +4,9 @@
  * the motion of the patch before; in the rounds of each step all patches follow closest points and each other. A patch
  * follows a point only where the target faces as the patch does, where a neighbour has found the target, and where no
  * patch elsewhere on the model lies nearer: limbs side by side stay apart, and what the target lacks is carried along.
- * The result is taken when it explains both surfaces much better than the start pose, and most of one, or nearly all
- * of a surface that lacks a part. Bounds: rounds * steps searches from each patch; a step is a ring of patches.
+ * The result is taken when it explains both surfaces much better than the start pose, and most of one of them; where a
+ * surface lacks a part of the other, when it explains that surface nearly whole.
+ * Bounds: rounds * steps searches from each patch; a step is a ring of patches around the seed.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_patches.h"
 
@@ -19,8 +20,7 @@
 #define SMR_BENT_DEAR_PART 0.05f  /* the same where one surface lacks a part of the other */
 #define SMR_BENT_PART 0.3f        /* cost of a side above which the other surface lacks a part of it */
 #define SMR_BENT_OTHER 0.3f       /* the same cost below which the model may also be another body of the same kind */
-#define SMR_BENT_SAME 0.008f      /* then the largest cost of a result / cost of the start pose, on the better side */
-#define SMR_BENT_SAME_PART 0.015f /* the same where a part lacks */
+#define SMR_BENT_SAME 0.015f      /* then the largest cost of a result / cost of the start pose, on the better side */
 #define SMR_BENT_ALIKE 0.002f     /* where a part lacks: cost of a result that suffices, whatever the start pose's */
 #define SMR_BENT_LOST 0.75f       /* cost on both sides above which the start pose is no start */
 #define SMR_BENT_CHEAPER 0.5f     /* largest cost of a result / cost of the start pose */
@@ -291,7 +291,7 @@ static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
         return;
     }
     const int other = w->least < SMR_BENT_OTHER;
-    const float alike = part ? smr_max(SMR_BENT_SAME_PART * w->least, SMR_BENT_ALIKE) : SMR_BENT_SAME * w->least;
+    const float alike = smr_max(SMR_BENT_SAME * w->least, part ? SMR_BENT_ALIKE : 0.0f);
     if (least <= (other ? alike : SMR_BENT_UNEXPLAINED) && ((other && part) || both <= SMR_BENT_CHEAPER * w->before))
         *w->bent = 1u + (uint32_t)(1.0e6f * both);
     j->head.next_stage = *w->bent > 0u ? SMR_BENT_MOVE : SMR_BENT_END;

@@ -2,8 +2,8 @@
  * Method: coarse searches at scale 1, at a smaller and a larger scale and, where the spreads differ, at their ratio,
  * which is right for whole surfaces; refinements of the results and of the given pose, longer ones of the best. Short
  * ones pair samples with discs, longer ones first with discs, then with closest points. The best pose is refined by
- * all pairs when nearly all samples of both surfaces match, else without outliers. The given pose is kept when it is
- * about as good.
+ * all pairs when nearly all samples of both surfaces match, or when neither matches alone and all then come near, at
+ * about the same cost; else without outliers. The given pose is kept when it is about as good.
  * Bounds: 4 coarse searches, at most 49 refinements of SMR_ROUNDS_FIRST rounds, 40 of SMR_ROUNDS_SHORT, 4 of
  * SMR_ROUNDS, 2 of config.iterations; for the mirror image 1 search, 8 of SMR_ROUNDS_SHORT, 1 of SMR_ROUNDS.
  * SPDX-License-Identifier: MIT */
@@ -28,8 +28,9 @@
 #define SMR_FAR_SHARE 0.75f       /* search range of closest points / larger spread of both surfaces */
 #define SMR_EXPLAINED_SHARE 0.08f /* distance beyond which samples do not match / smaller spread */
 #define SMR_WHOLE 0.9f            /* share of matching samples above which, on both sides, surfaces are wholes */
-#define SMR_WHOLE_TRIED 0.6f      /* the same above which they may be deformed wholes that have no joints */
-#define SMR_WHOLE_MET 0.96f       /* the same after a refinement by all pairs above which they are */
+#define SMR_WHOLE_TRIED 0.6f      /* share above which they may be wholes, deformed by more than samples match */
+#define SMR_WHOLE_MET 0.96f       /* share within the outlier limit of a refinement by all pairs with which they are */
+#define SMR_WHOLE_REACH 2.5f      /* largest such limit / distance beyond which samples do not match */
 #define SMR_WHOLE_WORSE 1.2f      /* largest cost after a refinement by all pairs / cost before, for wholes */
 #define SMR_WHOLE_SLACK 0.02f     /* cost added to SMR_WHOLE_WORSE times the cost before */
 #define SMR_GIVEN_WORSE 1.25f     /* largest rms distance / rms of the found pose with which the given pose is kept */
@@ -258,8 +259,9 @@ static int fit_part(smr_align_work *w)
 {
     const smr_measure *m = measured(w);
     const float least = smr_min(smr_measure_share(m, SMR_MODEL), smr_measure_share(m, SMR_TARGET));
+    const float limit = smr_measure_limit(&w->aligner, m);
     if (w->whole && (w->scaled || w->least <= SMR_WHOLE))
-        w->whole = (w->least > SMR_WHOLE || least > SMR_WHOLE_MET) &&
+        w->whole = (w->least > SMR_WHOLE || (least > SMR_WHOLE_MET && limit <= SMR_WHOLE_REACH * w->aligner.limit)) &&
                    smr_measure_cost(&w->aligner, m) <= SMR_WHOLE_WORSE * w->cost + SMR_WHOLE_SLACK;
     if (w->whole)
         return 0;
