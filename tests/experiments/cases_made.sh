@@ -113,6 +113,10 @@ group_persons() {
         shift
     done
     count length $(either all 20 10)
+    tool make seed=2966 part=end share=0.83 deform=12 sigma=40 noise=1 shift=15 turn=25 case data/hip_thigh_vhm/biceps_femoris_short.ply >/dev/null
+    register cut_muscle --model case/model/*.ply --target case/target/*.ply --align similarity # shrinks if it is taken for a whole
+    measure cut_muscle case
+    within cut_muscle vertex 8
 }
 
 # Random views: none that is farther than its start may be called good.

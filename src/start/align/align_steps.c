@@ -28,8 +28,8 @@
 #define SMR_FAR_SHARE 0.75f       /* search range of closest points / larger spread of both surfaces */
 #define SMR_EXPLAINED_SHARE 0.08f /* distance beyond which samples do not match / smaller spread */
 #define SMR_WHOLE 0.9f            /* share of matching samples above which, on both sides, surfaces are wholes */
-#define SMR_WHOLE_TRIED 0.6f      /* share above which they may be wholes, deformed by more than samples match */
-#define SMR_WHOLE_MET 0.96f       /* share within the outlier limit of a refinement by all pairs with which they are */
+#define SMR_WHOLE_TRIED 0.6f      /* share above which they may be wholes that are strongly deformed */
+#define SMR_WHOLE_MET 0.96f       /* share above which they are, within the limit after a refinement by all pairs */
 #define SMR_WHOLE_REACH 2.5f      /* largest such limit / distance beyond which samples do not match */
 #define SMR_WHOLE_WORSE 1.2f      /* largest cost after a refinement by all pairs / cost before, for wholes */
 #define SMR_WHOLE_SLACK 0.02f     /* cost added to SMR_WHOLE_WORSE times the cost before */
@@ -229,7 +229,7 @@ static int measure_best(smr_align_work *w)
     return 1;
 }
 
-/* Refines the best pose by all pairs, if both surfaces may be wholes: a surface that matches alone is a part. */
+/* Refines the best pose by all pairs if both surfaces may be wholes. Where only one matches, it is a part. */
 static int refine_whole(smr_align_work *w)
 {
     const smr_measure *m = measured(w);
