@@ -21,22 +21,14 @@ static void subtract_mean(float *value, uint32_t n)
         value[k] -= mean;
 }
 
-/* Writes slope[k]: the change of the image per mm along the unit vector `side` at sample k, divided by the reference's
- * range, minus the mean of all slopes. Returns 0 when a sample lies outside the image. */
-static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
+/* Writes slope[k]: the change of the image per mm from a line behind a place to one ahead at sample k, divided by the
+ * reference's range, minus the mean of all slopes. */
+static void slopes(const smr_place *at, const float *ahead, const float *behind, float *slope)
 {
-    float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
-    uint8_t inside[SMR_PROFILE_MAX];
-    const uint32_t n = at->reference->n;
-    const smr_vec away = smr_scale(side, at->reach_mm);
-    if (smr_grid_line(image, smr_add(at->start, away), at->spacing, n, ahead, inside) != n ||
-        smr_grid_line(image, smr_sub(at->start, away), at->spacing, n, behind, inside) != n)
-        return 0;
     const float per_mm = 0.5f / (at->reach_mm * at->reference->range);
-    for (uint32_t k = 0; k < n; k++)
+    for (uint32_t k = 0; k < at->reference->n; k++)
         slope[k] = (ahead[k] - behind[k]) * per_mm;
-    subtract_mean(slope, n);
-    return 1;
+    subtract_mean(slope, at->reference->n);
 }
 
 void smr_centre(const smr_profile *reference, const float *found, smr_centred *both)
@@ -64,14 +56,20 @@ smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at)
     const smr_profile *const ref = at->reference;
     const smr_vec nowhere = smr_v(0, 0, 0), normal = at->normal;
     const uint32_t n = ref->n;
-    float p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX], p2 = 0.0f, q2 = 0.0f, pq = 0.0f, pm = 0.0f, qm = 0.0f;
+    float p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX], line[SMR_TOGETHER][SMR_PROFILE_MAX];
+    float p2 = 0.0f, q2 = 0.0f, pq = 0.0f, pm = 0.0f, qm = 0.0f;
     if (!(ref->range > 0.0f) || n > SMR_PROFILE_MAX)
         return nowhere;
     const smr_vec axis = smr_abs(normal.x) < SMR_NORMAL_ALONG ? smr_v(1, 0, 0) : smr_v(0, 1, 0);
     const smr_vec across = smr_cross(normal, axis);
     const smr_vec u = smr_scale(across, 1.0f / SMR_SQRT(smr_dot(across, across))), v = smr_cross(normal, u);
-    if (!slopes(image, at, u, p) || !slopes(image, at, v, q))
+    const smr_vec by_u = smr_scale(u, at->reach_mm), by_v = smr_scale(v, at->reach_mm);
+    const smr_vec beside[SMR_TOGETHER] = {smr_add(at->start, by_u), smr_sub(at->start, by_u), smr_add(at->start, by_v),
+                                          smr_sub(at->start, by_v)};
+    if (!smr_grid_lines(image, beside, at->spacing, n, line))
         return nowhere;
+    slopes(at, line[0], line[1], p);
+    slopes(at, line[2], line[3], q);
     for (uint32_t k = 0; k < n; k++) {
         const float missing = at->gain * at->both->reference[k] - at->both->image[k];
         p2 += p[k] * p[k];

@@ -63,7 +63,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
     return SMR_OK;
 }
 
-#define SMR_BATCH 32u /* largest number of samples that one batch interpolates */
+#define SMR_BATCH 48u /* largest number of samples that one batch interpolates */
 /* Loops over a batch take a multiple of this many samples, the last sample several times. */
 #define SMR_FILLED (SMR_LANES < 4u ? 1u : 4u)
 
@@ -123,8 +123,8 @@ static line line_of(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32
     return l;
 }
 
-/* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume. */
-static void find_cells(const smr_grid *grid, const line *l, uint32_t k, uint32_t n, cells *c)
+/* Writes the lower voxels and fractions of samples k .. k+n-1, which all lie inside the volume, from place `to` on. */
+static inline void find_cells(const smr_grid *grid, const line *l, uint32_t k, uint32_t n, cells *c, uint32_t to)
 {
     const float end = (float)(int32_t)(k + n - 1u);
     for (uint32_t i = 0; i < padded(n); i++) {
@@ -132,8 +132,8 @@ static void find_cells(const smr_grid *grid, const line *l, uint32_t k, uint32_t
         for (uint32_t axis = 0; axis < 3u; axis++) {
             const float at = l->first[axis] + l->move[axis] * sample;
             const int32_t voxel = (int32_t)at, lower = voxel - (voxel > grid->last[axis]); /* one too far at most */
-            c->lower[axis][i] = lower;
-            c->fraction[axis][i] = at - (float)lower;
+            c->lower[axis][to + i] = lower;
+            c->fraction[axis][to + i] = at - (float)lower;
         }
     }
 }
@@ -237,11 +237,16 @@ static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint
     return left;
 }
 
+static inline strides strides_of(const smr_volume *v)
+{
+    const size_t row = v->size[0], slice = row * v->size[1];
+    return (strides){row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
+}
+
 uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value, uint8_t *inside)
 {
     const smr_volume *v = &grid->volume;
-    const size_t row = v->size[0], slice = row * v->size[1];
-    const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
+    const strides d = strides_of(v);
     uint32_t from, to, count = 0;
     const line l = line_of(grid, start, spacing, n, &from, &to);
     if (to - from < n) {
@@ -253,12 +258,43 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
         cells c;
         float batch[SMR_BATCH];
         const uint32_t some = smr_min_u32(to - k, SMR_BATCH);
-        find_cells(grid, &l, k, some, &c);
+        find_cells(grid, &l, k, some, &c, 0);
         sample(v, &c, &d, some, batch);
         memcpy(value + k, batch, some * sizeof *batch);
         count += drop(v, &c, &d, some, value + k, inside + k);
     }
     return count;
+}
+
+#define SMR_SHARE (SMR_BATCH / SMR_TOGETHER) /* largest number of samples of each of the lines in a batch */
+
+int smr_grid_lines(const smr_grid *grid, const smr_vec start[SMR_TOGETHER], smr_vec spacing, uint32_t n,
+                   float value[SMR_TOGETHER][SMR_PROFILE_MAX])
+{
+    const smr_volume *v = &grid->volume;
+    const strides d = strides_of(v);
+    line l[SMR_TOGETHER];
+    for (uint32_t i = 0; i < SMR_TOGETHER; i++) {
+        uint32_t from, to;
+        l[i] = line_of(grid, start[i], spacing, n, &from, &to);
+        if (to - from < n)
+            return 0;
+    }
+    for (uint32_t k = 0; k < n; k += SMR_SHARE) {
+        cells c;
+        float batch[SMR_BATCH];
+        uint8_t inside[SMR_BATCH];
+        const uint32_t some = smr_min_u32(n - k, SMR_SHARE), each = padded(some), all = SMR_TOGETHER * each;
+        for (uint32_t i = 0; i < SMR_TOGETHER; i++)
+            find_cells(grid, &l[i], k, some, &c, i * each);
+        sample(v, &c, &d, all, batch);
+        if (drop(v, &c, &d, all, batch, inside) < all)
+            return 0;
+        for (uint32_t i = 0; i < SMR_TOGETHER; i++)
+            for (uint32_t j = 0; j < some; j++)
+                value[i][k + j] = batch[i * each + j];
+    }
+    return 1;
 }
 
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n)

@@ -4,6 +4,7 @@
 #define SMR_VOLUME_H
 
 #include "base/vec.h"
+#include "image/intensity_profile.h"
 
 /* A validated image volume and the map from world to index coordinates. */
 typedef struct smr_grid {
@@ -33,6 +34,11 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uin
  * line. The same samples are inside. */
 uint32_t smr_grid_thick_line(const smr_grid *grid, float noise, int few, smr_vec start, smr_vec spacing, uint32_t n,
                              float *value, uint8_t *inside);
+#define SMR_TOGETHER 4u /* lines that are sampled together */
+/* Writes n samples, at most SMR_PROFILE_MAX, of each of these lines as smr_grid_line() does. Returns 1, or 0 as soon as
+ * a sample lies outside. Faster than line by line: the voxels of all lines are read at once. */
+int smr_grid_lines(const smr_grid *grid, const smr_vec start[SMR_TOGETHER], smr_vec spacing, uint32_t n,
+                   float value[SMR_TOGETHER][SMR_PROFILE_MAX]);
 uint32_t smr_longest_axis(const smr_volume *v); /* the axis of the largest voxel spacing */
 /* Returns the standard deviation of the image's noise, intensity; 0 for an image of less than three voxels a row. */
 float smr_grid_noise(const smr_grid *grid);
