@@ -230,6 +230,15 @@ static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *ta
     return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
 }
 
+/* Returns the number of iterations in which each vertex of a target pulls once, 1..4 (outlier_weights.c). */
+uint32_t smr_pull_turns(const smr_surface_goals *g, const smr_goal *goal);
+
+/* Returns 1 when target vertex j pulls in this iteration: by turns, SMR_FORCE_CHUNK vertices together. */
+static inline int smr_pulls_now(const smr_surface_goals *g, uint32_t turns, uint32_t j)
+{
+    return turns < 2u || (j / SMR_FORCE_CHUNK + g->schedule->iteration) % turns == 0u;
+}
+
 /* Step: each target vertex finds the closest point of the model, and pulls the model's vertices there. */
 smr_count_tasks smr_attract_tasks;
 smr_run_task smr_attract_search;
@@ -240,8 +249,8 @@ static inline float smr_target_area(const smr_surface *s, uint32_t j)
     return s->area_mean > 0.0f ? smr_min(s->area[j] / smr_max(s->area_mean, 1.0e-20f), 16.0f) : 1.0f;
 }
 
-/* outlier_weights.c. Returns the weight, 0..1 and at tips up to 81, of the pull of target vertex j with the squared
- * residual r2, mm^2. */
+/* outlier_weights.c. Returns the weight of the pull of target vertex j with the squared residual r2, mm^2: 0..1, at
+ * tips up to 81, times smr_pull_turns(). */
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2);
 void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm); /* stores a residual in target_residual[slot] */
 

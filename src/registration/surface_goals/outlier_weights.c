@@ -22,6 +22,8 @@
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius / scale of residuals that is assumed for a moved target */
 #define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
+#define SMR_TURNS_MOST 4u /* largest number of iterations in which a target vertex pulls once */
+
 /* Tips and corners of a mesh have residuals above NONE times SMR_OUTLIER_CUT scales. Each further cut, up to MOST, adds
  * GAIN to their weight; over the first the residual of weight 0 doubles. Else means of pulls hardly reach tips. */
 #define SMR_TIP_NONE 2.0f
@@ -79,6 +81,20 @@ static uint32_t body_slot(const smr_goal *goal, uint32_t j)
     return goal->first_body + smr_min_u32(smr_surface_body(goal->surface, j), SMR_BODY_SMALL + goal->n_bodies);
 }
 
+/* Where the smallest cluster holds several times config.schedule.active_enough vertices, those of a whole target pull
+ * by turns: each cluster averages enough of them. In a radius' first iteration all pull, so that the weights of all
+ * components are known. The pulls of a partial target decide what is visible. */
+uint32_t smr_pull_turns(const smr_surface_goals *g, const smr_goal *goal)
+{
+    const smr_config *c = &g->shared->config;
+    const smr_schedule *p = g->schedule;
+    const smr_target *target = &g->target[goal->structure];
+    const uint32_t enough = c->motion.settle_share > 0.0f ? c->schedule.active_enough : 0u;
+    const int all = p->radius_iteration == 0u || p->tracking || smr_at_last_radius(g->shared, p) || c->dynamics.mode ||
+                    smr_is_cloud(goal->surface) || target->partial > 0u || !target->measured || enough == 0u;
+    return all ? 1u : smr_max_u32(1u, smr_min_u32(p->lists.smallest / enough, SMR_TURNS_MOST));
+}
+
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2)
 {
     const float scale = g->target[goal->structure].scale;
@@ -87,7 +103,7 @@ float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint3
     const float tip = tip_of(g, goal->surface, j, scale, r2);
     const float cut = cut_of(g, goal->surface, scale) * (1.0f + smr_min(tip, 1.0f));
     return (1.0f + SMR_TIP_GAIN * tip) * biweight(r2, cut) * (1.0f / 255.0f) *
-           (float)g->body_weight[body_slot(goal, j)];
+           (float)(g->body_weight[body_slot(goal, j)] * smr_pull_turns(g, goal));
 }
 
 const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure)
@@ -181,12 +197,15 @@ static float scale_of(const smr_surface_goals *g, float share)
     return SMR_OUTLIER_SIGMA * (low + part * (high - low));
 }
 
-/* First pass: counts residuals. Second pass: sums inliers of components. */
+/* First pass: counts residuals of the vertices that pull now. Second pass: sums inliers of components. */
 static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t chunk, int second)
 {
     const float cut = cut_of(g, goal->surface, goal->scale);
     const uint32_t last = smr_min_u32((chunk + 1u) * SMR_OUTLIER_CHUNK, goal->n_vertices);
+    const uint32_t turns = smr_pull_turns(g, goal);
     for (uint32_t j = chunk * SMR_OUTLIER_CHUNK; j < last; j++) {
+        if (!smr_pulls_now(g, turns, j))
+            continue;
         const uint32_t steps = g->target_residual[goal->first_warm + j];
         const uint32_t area = (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(goal->surface, j) + 0.5f);
         if (!second) {
@@ -240,7 +259,8 @@ static void weigh_bodies(smr_surface_goals *g, const smr_goal *goal)
     for (uint32_t b = SMR_BODY_FIRST; b < SMR_BODY_FIRST + goal->n_bodies; b++) {
         const float over = most > 0.0f ? inlier_share(&sum[b]) / smr_max(most, SMR_OUTLIER_TINY) : 1.0f;
         const float share = smr_clamp((over - SMR_BODY_NONE) / (SMR_BODY_FULL - SMR_BODY_NONE), 0.0f, 1.0f);
-        weight[b] = (uint8_t)(255.0f * share + 0.5f);
+        if (sum[b].area > 0u) /* a component none of whose vertices pulls now keeps its weight */
+            weight[b] = (uint8_t)(255.0f * share + 0.5f);
         target->others |= weight[b] == 0u;
     }
 }

@@ -2,7 +2,8 @@
  * model and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. Closest
  * points of the model's vertices alone leave parts of the target uncovered. A target vertex also pulls other places of
  * the same structure that are nearly as near, the less the farther away, so last bits of distances change next to
- * nothing. Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
+ * nothing. At coarse radii vertices of a whole target pull by turns. Pulls are summed as 64-bit whole numbers, per
+ * worker and then over workers: any order gives the same bits.
  * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -151,12 +152,12 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
         k++;
     const smr_goal *goal = &g->goal[k];
-    if (!smr_attracts(g, goal->surface))
+    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
+    if (!smr_attracts(g, goal->surface) || !smr_pulls_now(g, smr_pull_turns(g, goal), first))
         return;
     uint32_t structure = g->shared->n_structures - 1u; /* the last one with this target */
     while (structure > goal->structure && g->target[structure].surface != goal->surface)
         structure--;
-    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     const uint32_t work = SMR_WORK_TARGET + SMR_WORK_STRUCTURE * g->shared->n_structures;
     smr_worker_needs(w, work + SMR_NEAR_MOST * SMR_WORK_PULL);
