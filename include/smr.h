@@ -176,8 +176,8 @@ typedef struct smr_pose {
  * determinant of columns 0 to 2 is outside [1e-9, 1e9]). */
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
-/* Sets a structure's positions, [n_vertices][3] mm in the caller's vertex order. The present positions of all
- * structures become the reference shape x^r, and the schedule restarts.
+/* Sets the positions of a structure, [n_vertices][3] mm in the order of the caller, or of SMR_ALL, all in a row.
+ * The present positions of all structures become the reference shape x^r, and the schedule restarts.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
 
@@ -1229,8 +1229,8 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
 /* Returns the input that a record names: a const smr_surface * (a target or a fixed surface), a const smr_points * with
- * the points of that time, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), or a const smr_goals
- * *, smr_motion * or smr_caller_force * (section 23). NULL means that the input is missing. */
+ * the points of that time, a const smr_volume *, a const float * (positions, [n_vertices][3], mm, or all
+ * structures'), or a const smr_goals *, smr_motion * or smr_caller_force * (section 23). NULL: the input is missing. */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* Prepares to repeat a log on s, a registration right after smr_init() with the log's model and configuration.

@@ -1105,8 +1105,8 @@ class Registration:
         """Starts from the rest shape moved by a pose [3][4]."""
         self._call(_lib.smr_set_pose, C.byref(_pose_struct(pose)))
 
-    def set_positions(self, structure: Union[int, str], xyz: Any) -> None:
-        """Puts a structure at [n][3] mm, in the order of its vertices, and starts over."""
+    def set_positions(self, structure: Union[int, str, None], xyz: Any) -> None:
+        """Puts a structure, or all in a row, at [n][3] mm, in the order of the vertices, and starts over."""
         a = self._vertices(structure, xyz)  # kept until the library has it
         self._call(_lib.smr_set_positions, self.model.index(structure), _at(a))
 
@@ -1116,15 +1116,16 @@ class Registration:
         self._call(_lib.smr_set_pose_begin, C.byref(_pose_struct(pose)), job._state)
         return job
 
-    def set_positions_begin(self, structure: Union[int, str], xyz: Any) -> Job:
+    def set_positions_begin(self, structure: Union[int, str, None], xyz: Any) -> Job:
         """Begins set_positions()."""
         a = self._vertices(structure, xyz)
         job = Job(self, None, a)
         self._call(_lib.smr_set_positions_begin, self.model.index(structure), _at(a), job._state)
         return job
 
-    def _vertices(self, structure: Union[int, str], xyz: Any) -> Array:
-        a, n = _numbers(xyz, "xyz"), self.model.n_vertices(structure)
+    def _vertices(self, structure: Union[int, str, None], xyz: Any) -> Array:
+        a, k = _numbers(xyz, "xyz"), self.model.index(structure)
+        n = sum(self.model.n_vertices(i) for i in range(len(self.model.names)) if k in (i, ALL))
         if len(a) != n:
             raise ValueError(f"xyz: expected {n} vertices, not {len(a)}")
         return a

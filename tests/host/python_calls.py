@@ -341,6 +341,8 @@ def converted(model, now, triangles):
         s.set_positions("bone", now.astype(float))
     check("positions of float64 are set", np.abs(s.positions(0) - now).max() < 1e-3)
     check("and live until they are", len(watch.made) == 1 and watch.gone == 0)
+    s.set_positions(None, now + 2)
+    check("positions of all structures", np.abs(s.positions(0) - now - 2).max() < 1e-3)
     mine = now.copy()
     surface = smr.Surface(mine, triangles)
     mine[:] = 9

@@ -108,6 +108,8 @@ static const void *input_of(void *ctx, const smr_log_record *r)
         return job->options->image_target ? &job->image.view : NULL;
     if ((r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS) && part == SMR_ALL)
         return job->n_targets == 1 ? target_of(&job->target[0], r->kind) : NULL;
+    if (r->kind == SMR_LOG_POSITIONS && part == SMR_ALL)
+        return xyz;
     if (part >= job->model.n_parts)
         return NULL;
     if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS)

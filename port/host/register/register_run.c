@@ -44,16 +44,7 @@ static int refuse(host_error *error, const char *place, smr_status status)
                         smr_status_name(status));
 }
 
-smr_status host_job_put_start(const host_job *job)
-{
-    const float *xyz = job->start_xyz;
-    smr_status status = SMR_OK;
-    for (uint32_t i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
-        status = smr_set_positions(job->state, i, xyz);
-        xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
-    }
-    return status;
-}
+smr_status host_job_put_start(const host_job *job) { return smr_set_positions(job->state, SMR_ALL, job->start_xyz); }
 
 static smr_status set_target(smr *s, uint32_t part, const host_target *target)
 {

@@ -22,10 +22,16 @@ static smr_piece piece_of(const smr *s, uint32_t task) { return smr_piece_of(tas
 uint32_t smr_start_vertices(const void *job) { return pieces(in(job)->shared.n); }
 static int is_last(const void *job, uint32_t task) { return task + 1u == smr_start_vertices(job); }
 
-static uint32_t n_given(const smr_starting *j)
+/* Returns the number of vertices whose positions are set, and in *first the first of them in the caller's numbering. */
+static uint32_t given(const smr_starting *j, uint32_t *first)
 {
-    return j->xyz == NULL ? j->job.s->shared.n : j->job.s->shape.structure[j->structure].n_vertices;
+    const int all = j->xyz == NULL || j->structure == SMR_ALL;
+    const smr_shape_structure *const one = j->job.s->shape.structure + (all ? 0u : j->structure);
+    *first = one->first_vertex;
+    return all ? j->job.s->shared.n : one->n_vertices;
 }
+
+static uint32_t n_given(const smr_starting *j) { return given(j, &(uint32_t){0}); }
 
 static uint32_t given_tasks(const void *job) { return pieces(n_given(job)); }
 
@@ -65,13 +71,13 @@ static void place_given(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_starting *j = job;
     const smr *s = j->job.s;
-    const smr_piece p = smr_piece_of(task, SMR_START_PIECE, n_given(j));
+    uint32_t first;
+    const smr_piece p = smr_piece_of(task, SMR_START_PIECE, given(j, &first));
     for (uint32_t i = p.first; i < p.last && j->xyz == NULL; i++)
         smr_put3(s->shape.x, i, smr_add(posed(j, smr_rest(&s->shared, i)), j->shift));
     for (uint32_t i = p.first; i < p.last && j->xyz != NULL; i++) {
-        const uint32_t at = s->shape.structure[j->structure].first_vertex + i;
         const smr_vec x = smr_load(j->xyz + 3u * (size_t)i);
-        smr_put3(s->shape.x, smr_model_position(s->shared.model, at), smr_sub(x, s->shape.origin));
+        smr_put3(s->shape.x, smr_model_position(s->shared.model, first + i), smr_sub(x, s->shape.origin));
     }
 }
 
@@ -392,7 +398,7 @@ SMR_SELDOM smr_status smr_set_positions_begin(smr *s, uint32_t structure, const 
 {
     smr_starting *const j = (smr_starting *)(void *)job;
     SMR_TRY(xyz == NULL || job == NULL ? SMR_E_NULL : may_start(s, 0));
-    if (structure >= s->shared.n_structures)
+    if (structure >= s->shared.n_structures && structure != SMR_ALL)
         return SMR_E_INPUT;
     begin(s, j);
     j->xyz = xyz;
