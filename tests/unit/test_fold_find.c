@@ -208,11 +208,12 @@ TEST(test_unfolds)
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
 
-/* A fold that a step of folds has made is opened: the update of the triangles before does not show it. */
+/* A fold that a step of folds has made is opened: the update of the triangles before does not show it. The step has
+ * touched the runs of its triangles, or has held the step, or folds were found there before. */
 TEST(test_opens_what_moved)
 {
     const smr_mesh mesh = sheet();
-    for (uint32_t found = 0; found < 2u; found++) {
+    for (uint32_t found = 0; found < 3u; found++) {
         smr *s = start(&mesh, 1);
         smr_folds *f = &s->folds;
         const uint32_t v = smr_model_position(s->shared.model, SIDE + SIDE / 2u);
@@ -221,10 +222,15 @@ TEST(test_opens_what_moved)
         smr_triangles_follow(&s->shape, s->shape.x_next);
         for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
             smr_triangles_refit(&s->shape, task, 0);
-        f->tally[0].folds.n_open = found;
+        f->tally[0].folds.open = found == 2u ? ~0u : 0u;
+        f->limit.held = found == 1u;
+        smr_runs_clear(f);
         memset(f->marked, 0, s->shared.n);
         s->shape.x_next[3u * v] += 14.0f;
         f->marked[v] = 1;
+        for (uint32_t k = 0; found == 0u && k < s->shared.n_triangles; k++)
+            if (smr_any_marked(f, k))
+                smr_run_touch(f, k);
         smr_fold_open_start(f);
         for (uint32_t task = 0; task < smr_fold_open_tasks(f); task++)
             smr_fold_open_pass(f, task, 0);

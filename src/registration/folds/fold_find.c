@@ -36,23 +36,23 @@ uint32_t smr_fold_find_tasks(const void *arg)
 #define SMR_WORK_DIHEDRAL 30u /* instructions at most for a dihedral edge that does not bend, ... */
 #define SMR_WORK_BENT 400u    /* ... and for a dihedral edge that bends */
 
-/* Counts in *tally edges from .. to - 1 that fold or must be limited at x_next. Returns the number of bent edges. */
+/* Notes in *tally where edges from .. to - 1 fold or must be limited at x_next. Returns the number of bent edges. */
 static uint32_t find(const smr_folds *f, uint32_t from, uint32_t to, smr_tally *tally)
 {
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const int repairing = f->schedule->repairing > 0u;
-    uint32_t n = 0, n_open = 0, close = 0;
+    uint32_t close = 0;
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = dihedral + i;
         const float next = smr_refitted_cosine(f, h);
         if (!(next < SMR_LIMIT_BELOW))
             continue;
         close++;
-        n += repairing ? next < smr_edge_limit(h) : smr_fold_limit_share(f, h, next) > 0.0f;
-        n_open += smr_edge_open(h) && next < SMR_FOLD_COS;
+        if (repairing ? next < smr_edge_limit(h) : smr_fold_limit_share(f, h, next) > 0.0f)
+            tally->folds.bent |= smr_piece_bit(i);
+        if (smr_edge_open(h) && next < SMR_FOLD_COS)
+            tally->folds.open |= smr_piece_bit(i);
     }
-    tally->folds.n_bent += n;
-    tally->folds.n_open += n_open;
     return close;
 }
 
@@ -75,19 +75,19 @@ void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
 
 SMR_SELDOM void smr_fold_find_end(smr_folds *f)
 {
-    uint32_t n_bent = 0, n_open = 0;
+    uint32_t bent = 0, open = 0;
     f->n_guarded = 0;
     for (uint32_t task = 0; task < f->n_dihedral_tasks; task++) {
-        n_bent += f->tally[task].folds.n_bent;
-        n_open += f->tally[task].folds.n_open;
+        bent |= f->tally[task].folds.bent;
+        open |= f->tally[task].folds.open;
     }
-    if (n_bent + n_open == 0u)
+    if ((bent | open) == 0u)
         return;
     memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
     memset(f->marked, 0, f->shared->n);
-    if (n_bent > 0u && f->schedule->repairing > 0u)
+    if (bent != 0u && f->schedule->repairing > 0u)
         smr_fold_repair_start(f);
-    else if (n_bent > 0u)
+    else if (bent != 0u)
         smr_fold_limit_start(f);
     smr_fold_open_start(f);
 }

@@ -12,7 +12,6 @@
 #define SMR_LIMIT_ROOM 0.05f   /* distance of a cosine to its limit below which the edge creeps: moves by small steps */
 #define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine of a creeping edge in an iteration */
 #define SMR_LIMIT_LEFT 0.05f   /* largest change of a cosine, as a share of the distance to its limit, never reached */
-#define SMR_LOOK_CHUNK 64u     /* number of dihedral edges in a task; each edge needs four triangle normals */
 #define SMR_SOFT_ROUNDS 20u    /* largest number of rounds in which edges request shorter steps of vertices */
 #define SMR_HALVINGS 3u        /* number of rounds that halve steps; later rounds remove steps */
 #define SMR_LIMIT_ROUNDS 40u   /* largest number of rounds in an iteration, soft rounds and halvings together */
@@ -95,11 +94,10 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
         mark(f, corner[c], SMR_MARKED);
         smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
+    f->limit.held = 1;
 }
 
-/* Returns the first of the edges from .. to - 1 with a marked corner, and only in or near touched runs unless `all` is
- * 1; to: none. */
-static uint32_t next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all)
+uint32_t smr_next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all)
 {
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const uint32_t bits = f->run_bits, n = f->shared->n_triangles;
@@ -139,18 +137,18 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
     smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
     const smr_fold_limit *l = &f->limit;
-    const uint32_t piece = (uint32_t)1 << (from % SMR_DIHEDRAL_CHUNK / SMR_LOOK_CHUNK);
+    const uint32_t piece = smr_piece_bit(from);
     uint32_t i = from;
     if (tally->folds.n_marked != l->n_marked)
         tally->folds.quiet = 0;
     tally->folds.n_marked = l->n_before;
-    if (l->round == 0u ? tally->folds.n_bent == 0u : (tally->folds.quiet & piece) != 0u)
+    if (l->round == 0u ? (tally->folds.bent & piece) == 0u : (tally->folds.quiet & piece) != 0u)
         return;
     for (; l->round == 0u && i < to; i++)
         test(f, dihedral + i, smr_refitted_cosine(f, dihedral + i));
-    if (i < to && (i = next_marked(f, i, to, l->round > SMR_SOFT_ROUNDS)) == to)
+    if (i < to && (i = smr_next_marked(f, i, to, l->round > SMR_SOFT_ROUNDS)) == to)
         tally->folds.quiet |= piece;
-    for (; i < to; i = next_marked(f, i + 1u, to, l->round > SMR_SOFT_ROUNDS))
+    for (; i < to; i = smr_next_marked(f, i + 1u, to, l->round > SMR_SOFT_ROUNDS))
         test(f, dihedral + i, smr_dihedral_cosine(f, f->shape->x_next, dihedral + i));
 }
 
@@ -225,7 +223,7 @@ void smr_fold_limit_start(smr_folds *f)
 uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->limit.pass); }
 
 static const smr_fold_stage stages[] = {
-    [SMR_LIMIT_LOOK] = {SMR_OVER_DIHEDRALS, SMR_LOOK_CHUNK, look},
+    [SMR_LIMIT_LOOK] = {SMR_OVER_DIHEDRALS, SMR_EDGE_PIECE, look},
     [SMR_LIMIT_TOUCH] = {SMR_OVER_TRIANGLES, SMR_TRIANGLE_CHUNK, touch},
     [SMR_LIMIT_MOVE] = {SMR_OVER_LISTED, SMR_TRIANGLE_CHUNK, move},
 };

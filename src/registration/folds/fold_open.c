@@ -87,15 +87,22 @@ SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b,
     }
 }
 
+/* Returns the first edge of from .. to - 1 that may be folded: any edge where folds were found. Only fold_limit.c's
+ * requests touch runs. */
+static uint32_t next(const smr_folds *f, int found, uint32_t from, uint32_t to)
+{
+    return found ? from : smr_next_marked(f, from, to, f->limit.held || f->open.n_passes + f->open.n_folds > 0u);
+}
+
 /* Opens folds among edges from .. to - 1: found by fold_find.c, or with a corner that a fold step has moved. */
 static void open_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
-    const int found = f->tally[from / SMR_DIHEDRAL_CHUNK].folds.n_open > 0u;
-    for (uint32_t i = from; i < to; i++) {
+    const int found = (f->tally[from / SMR_DIHEDRAL_CHUNK].folds.open & smr_piece_bit(from)) != 0u;
+    for (uint32_t i = next(f, found, from, to); i < to; i = next(f, found, i + 1u, to)) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
         const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
-        if (!smr_edge_open(h) || (!smr_any_marked(f, first) && !smr_any_marked(f, second) &&
-                                  !(found && smr_refitted_cosine(f, h) < SMR_FOLD_COS)))
+        if (!smr_edge_open(h) || (found && !smr_any_marked(f, first) && !smr_any_marked(f, second) &&
+                                  !(smr_refitted_cosine(f, h) < SMR_FOLD_COS)))
             continue;
         const side a = side_of(f, first), b = side_of(f, second);
         const float cosine = smr_dot(a.normal, b.normal);

@@ -27,7 +27,7 @@ SMR_SELDOM static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
-        if (f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u ||
+        if (f->tally[i / SMR_DIHEDRAL_CHUNK].folds.bent == 0u ||
             !(smr_dihedral_cosine(f, f->shape->x_next, h) < smr_edge_limit(h)))
             continue;
         mark(f, smr_edge_first(f, h));

@@ -9,6 +9,7 @@
 #include "registration/evolve/evolve_positions.h"
 
 #define SMR_DIHEDRAL_CHUNK 1024u /* number of dihedral edges in a task of fold_find.c */
+#define SMR_EDGE_PIECE 64u       /* number of dihedral edges that a bit of a tally stands for */
 #define SMR_RUNS 2048u           /* largest number of runs of triangles; a run is tested or skipped as a whole */
 #define SMR_FOLD_COS 0.001f /* cosine below which an edge that is open at rest is folded; above 0 because of rounding */
 #define SMR_LIMIT_BELOW 0.31f /* a next cosine above this needs no limit: limiting cosines are 0.02 at most */
@@ -35,6 +36,7 @@ typedef struct smr_fold_limit {
     uint32_t n_listed; /* number of vertices with requests in this round */
     uint32_t n_marked; /* number of marked vertices, ... */
     uint32_t n_before; /* ... and before this round */
+    uint32_t held;     /* 1: steps were shortened; their runs of triangles were not touched */
     float most;        /* largest share, 0..1, by which an edge asks to even out its corners' steps in this round */
 } smr_fold_limit;
 
@@ -117,12 +119,22 @@ static inline int smr_edge_open(const smr_stored_dihedral *h) { return smr_edge_
 /* Returns the cosine of the angle between the normals of an edge's triangles, with vertices at x [n][3]. */
 float smr_dihedral_cosine(const smr_folds *f, float *x, const smr_stored_dihedral *h);
 
+/* Returns the bit of an edge's piece in the tally of the edge's chunk. */
+static inline uint32_t smr_piece_bit(uint32_t edge)
+{
+    return (uint32_t)1 << (edge % SMR_DIHEDRAL_CHUNK / SMR_EDGE_PIECE);
+}
+
 /* Returns the edge's cosine at x_next as the last refit of triangles found it: no corner has moved since. */
 static inline float smr_refitted_cosine(const smr_folds *f, const smr_stored_dihedral *h)
 {
     const float *const normal = f->shape->triangle_normal;
     return smr_dot(smr_get3(normal, smr_edge_first(f, h)), smr_get3(normal, smr_edge_second(f, h)));
 }
+
+/* Returns the first of the edges from .. to - 1 with a marked corner, and only in or near touched runs unless `all` is
+ * 1; to: none. */
+uint32_t smr_next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all);
 
 /* Returns the share, 0..1, by which the steps of h's corners must move to their mean if h's next cosine is `next`. */
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next);

@@ -48,9 +48,9 @@ typedef union smr_tally {
         uint64_t hash; /* sum of the hashes of the vertices */
     } evolve;
     struct {
-        uint32_t n_bent;   /* number of dihedral edges that fold or must be limited */
-        uint32_t n_open;   /* number of dihedral edges that are folded but were open at rest */
-        uint32_t quiet;    /* a bit for each piece of the edges: no edge had a marked corner, ... */
+        /* a bit for each piece of the dihedral edges: some fold or must be limited; are folded but were open at rest */
+        uint32_t bent, open;
+        uint32_t quiet;    /* likewise: no edge had a marked corner, ... */
         uint32_t n_marked; /* ... when so many vertices were marked */
     } folds;
 } smr_tally;
