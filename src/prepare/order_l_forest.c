@@ -32,25 +32,6 @@ static void sort_few(uint32_t *number, uint32_t n)
     }
 }
 
-/* Fills rows and counts of a chunk's clusters, and nearest[] unless nearest[] is known from the previous radius. */
-static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
-{
-    const block *b = arg;
-    smr_plan *p = b->p;
-    const uint32_t from = b->first + task * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last);
-    for (uint32_t v = from; v < to; v++) {
-        uint64_t *row = smr_plan_row(p, v - b->first);
-        p->touched[v] = smr_cluster_row(p, v, b->radius, row);
-        p->count[v] = smr_row_count(row, p->words);
-        if (p->forest.nearest_kind == 1u + smr_keeps_apart(p))
-            continue;
-        uint32_t *near = p->forest.nearest + SMR_NEAREST * (size_t)v;
-        uint32_t k = smr_nearest(p, v, b->first, b->last, SMR_NEAREST, near, NULL);
-        while (k < SMR_NEAREST)
-            near[k++] = SMR_NONE;
-    }
-}
-
 /* Writes the weight |zeta+| + |zeta-| of each candidate edge of a chunk as the edge's sort key. */
 static void weigh_edges(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
@@ -103,6 +84,33 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
             }
     }
     return unique;
+}
+
+/* Returns 1 when nearest[] holds the nearest vertices for clusters of the current radius. */
+static int knows_nearest(const smr_plan *p) { return p->forest.nearest_kind == 1u + smr_keeps_apart(p); }
+
+/* Finds the candidate edges, a task of its own, or fills rows and counts of a chunk's clusters, and nearest[] unless it
+ * is known from the previous radius. */
+static void fill_rows(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    block *b = arg;
+    smr_plan *p = b->p;
+    if (task == 0u) {
+        b->n_edges = knows_nearest(p) ? candidates(p, b->first, b->last) : 0u;
+        return;
+    }
+    const uint32_t from = b->first + (task - 1u) * SMR_VERTEX_CHUNK, to = smr_min_u32(from + SMR_VERTEX_CHUNK, b->last);
+    for (uint32_t v = from; v < to; v++) {
+        uint64_t *row = smr_plan_row(p, v - b->first);
+        p->touched[v] = smr_cluster_row(p, v, b->radius, row);
+        p->count[v] = smr_row_count(row, p->words);
+        if (knows_nearest(p))
+            continue;
+        uint32_t *near = p->forest.nearest + SMR_NEAREST * (size_t)v;
+        uint32_t k = smr_nearest(p, v, b->first, b->last, SMR_NEAREST, near, NULL);
+        while (k < SMR_NEAREST)
+            near[k++] = SMR_NONE;
+    }
 }
 
 /* Sorts the edges item[n] by their weights key[n], at most `most` each, stable: two passes mostly are enough. */
@@ -218,10 +226,12 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
 {
     const uint32_t size = last - first, n_tasks = smr_ceil_div(size, SMR_VERTEX_CHUNK);
     block all = {p, first, last, radius, 0, l, l->n_entries};
-    p->failed |= !smr_fork(&p->port, fill_rows, &all, n_tasks);
+    p->failed |= !smr_fork(&p->port, fill_rows, &all, 1u + n_tasks);
     if (p->failed)
         return;
-    link_up(p, size, spanning_tree(p, first, size, candidates(p, first, last)));
+    if (!knows_nearest(p))
+        all.n_edges = candidates(p, first, last);
+    link_up(p, size, spanning_tree(p, first, size, all.n_edges));
     order_block(p, first, size);
     p->failed |= !smr_fork(&p->port, count_indexes, &all, n_tasks);
     if (p->failed)
