@@ -1178,7 +1178,7 @@ typedef struct smr_log_info {
 
 /* Kinds of records; each is named after its call. LANDMARKS: one record for each landmark. FORCE: smr_set_force(), and
  * before a tick the results of the force. POINTS: smr_set_points(), and each change of the cloud. FIXED_SURFACE:
- * surface number `index`. FULL: the log's memory was full. */
+ * surface number `index`. FULL: the log's memory was full. ALL_POSITIONS: smr_set_positions() of SMR_ALL. */
 enum {
     SMR_LOG_TICK = 1,
     SMR_LOG_SURFACE,
@@ -1196,7 +1196,7 @@ enum {
     SMR_LOG_FIXED_SURFACE,
     SMR_LOG_VOLUME_RATIO
 };
-enum { SMR_LOG_MOTION = 14 };
+enum { SMR_LOG_MOTION = 14, SMR_LOG_ALL_POSITIONS };
 
 /* One record of a log. Fields that a kind does not use are 0. */
 typedef struct smr_log_record {
@@ -1229,8 +1229,8 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
 /* Returns the input that a record names: a const smr_surface * (a target or a fixed surface), a const smr_points * with
- * the points of that time, a const smr_volume *, a const float * (positions, [n_vertices][3], mm, or all
- * structures'), or a const smr_goals *, smr_motion * or smr_caller_force * (section 23). NULL: the input is missing. */
+ * the points of that time, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), or a const smr_goals
+ * *, smr_motion * or smr_caller_force * (section 23). NULL means that the input is missing. */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* Prepares to repeat a log on s, a registration right after smr_init() with the log's model and configuration.

@@ -27,7 +27,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SMR_PTHREAD_SPIN_NS 300000u  /* from this idle spin on, ns, a success does not double it */
+#define SMR_PTHREAD_SPIN_NS 320000u  /* from this idle spin on, ns, a success does not double it */
 #define SMR_PTHREAD_SPIN_LEAST 5000u /* from this idle spin on a failure does not halve it */
 #define SMR_PTHREAD_VAIN_MOST 6u     /* after this number of wakes in vain, 2^this loops wake nobody */
 #define SMR_PTHREAD_BITS 20u         /* bits of a ticket for the first task, and for the number of tasks left */

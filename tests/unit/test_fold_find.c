@@ -238,6 +238,22 @@ TEST(test_opens_what_moved)
     }
 }
 
+/* Edges that are open at rest and folded, where none is to be limited: runs, unknown before, are cleared first. */
+TEST(test_opens_without_limit)
+{
+    const smr_mesh mesh = sheet();
+    smr *s = start(&mesh, 1);
+    smr_folds *f = &s->folds;
+    s->schedule.repairing = 0;
+    f->run_bits = 31u;
+    memset(f->touched, 255, sizeof f->touched);
+    memset(&f->tally[0].folds, 0, sizeof f->tally[0].folds);
+    f->tally[0].folds.open = 1;
+    smr_fold_find_end(f);
+    assert_int_equal(0, f->limit.pass.stage);
+    assert_true(f->open.pass.stage != 0u && f->run_bits < 31u && f->touched[0] == 0u);
+}
+
 /* Finds folds at x_next and limits them. all 1: no task skips its edges. Returns how often edges were skipped. */
 static uint32_t limit(smr *s, int all)
 {

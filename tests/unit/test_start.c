@@ -3,7 +3,9 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
+#include "log/record/log_format.h"
 #include "registration/registration.h"
+#include "unit/unit_log.h"
 
 static const float none[3] = {0, 0, 0};
 
@@ -135,7 +137,7 @@ TEST(test_ranges)
 
 static const void *all_positions(void *ctx, const smr_log_record *record)
 {
-    assert_true(record->kind == SMR_LOG_POSITIONS && record->structure == SMR_ALL);
+    assert_true(record->kind == SMR_LOG_ALL_POSITIONS && record->structure == SMR_ALL);
     return ctx;
 }
 
@@ -178,6 +180,20 @@ TEST(test_all_structures_at_once)
         assert_int_equal(0, report.differs);
     }
     assert_int_equal(5, report.tick);
+    const uint32_t head = SMR_LOG_ALL_POSITIONS | 20u << 8;
+    size_t record = 0;
+    while (smr_log_get32(log + record) != head)
+        record += 4u;
+    for (uint32_t forged = 0; forged < 2u; forged++) { /* all as the positions of one, and one as those of all */
+        smr_log_put32(log + record, forged ? head : SMR_LOG_POSITIONS | 20u << 8);
+        smr_log_put32(log + record + 4u, forged ? 0u : SMR_ALL);
+        unit_log_seal(log, written.bytes);
+        again = rig_init(model, &config, NULL);
+        assert_int_equal(SMR_OK, smr_replay_start(again, log, written.bytes, all_positions, xyz, &replay));
+        assert_int_equal(SMR_E_LOG, smr_replay_tick(&replay, &report));
+    }
+    smr_log_put32(log + record + 4u, SMR_ALL);
+    unit_log_seal(log, written.bytes);
     at[-1] += 1.0f;
     again = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_replay_start(again, log, written.bytes, all_positions, xyz, &replay));

@@ -37,7 +37,7 @@ static int count_ticks(replayed *r, host_error *error)
         status = smr_log_next(&from, &record);
         if (status != SMR_OK)
             return host_fail_at(error, "log, byte", from.at, "a whole, undamaged record (%s)", smr_status_name(status));
-        r->positions |= record.kind == SMR_LOG_POSITIONS;
+        r->positions |= record.kind == SMR_LOG_POSITIONS || record.kind == SMR_LOG_ALL_POSITIONS;
         if (record.kind != SMR_LOG_TICK)
             continue;
         r->counts.ticks++;
@@ -108,7 +108,7 @@ static const void *input_of(void *ctx, const smr_log_record *r)
         return job->options->image_target ? &job->image.view : NULL;
     if ((r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS) && part == SMR_ALL)
         return job->n_targets == 1 ? target_of(&job->target[0], r->kind) : NULL;
-    if (r->kind == SMR_LOG_POSITIONS && part == SMR_ALL)
+    if (r->kind == SMR_LOG_ALL_POSITIONS)
         return xyz;
     if (part >= job->model.n_parts)
         return NULL;

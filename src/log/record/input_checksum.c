@@ -164,7 +164,8 @@ uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n)
     switch (kind) {
     case SMR_LOG_POINTS: return smr_cloud_checksum(what);
     case SMR_LOG_VOLUME: return smr_volume_checksum(what);
-    case SMR_LOG_POSITIONS: return smr_points_checksum(what, n);
+    case SMR_LOG_POSITIONS:
+    case SMR_LOG_ALL_POSITIONS: return smr_points_checksum(what, n);
     case SMR_LOG_MOTION: return smr_motion_checksum(what, n);
     case SMR_LOG_GOALS: return ((const smr_goals *)what)->xyz == NULL ? 0u : smr_goals_checksum(what, n);
     default: return smr_target_checksum(what);

@@ -14,7 +14,7 @@ uint32_t smr_log_words(uint32_t kind)
         [SMR_LOG_TICK] = 8,   [SMR_LOG_SURFACE] = 4,   [SMR_LOG_POINTS] = 4,       [SMR_LOG_FIXED_SURFACE] = 4,
         [SMR_LOG_GOALS] = 4,  [SMR_LOG_VOLUME] = 3,    [SMR_LOG_FORCE] = 3,        [SMR_LOG_POSE] = 12,
         [SMR_LOG_MOTION] = 3, [SMR_LOG_POSITIONS] = 3, [SMR_LOG_VOLUME_RATIO] = 2, [SMR_LOG_LANDMARKS] = 12,
-        [SMR_LOG_ACTIVE] = 1, [SMR_LOG_FULL] = 1};
+        [SMR_LOG_ACTIVE] = 1, [SMR_LOG_FULL] = 1,      [SMR_LOG_ALL_POSITIONS] = 3};
     return kind < sizeof words ? words[kind] : 0u;
 }
 

@@ -84,7 +84,8 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
         return SMR_OK;
     case SMR_LOG_POSE: memcpy(&r->pose, word, sizeof r->pose); return SMR_OK;
     }
-    const int owned = r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION, image = r->kind == SMR_LOG_VOLUME;
+    const int owned = r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION || r->kind == SMR_LOG_ALL_POSITIONS;
+    const int image = r->kind == SMR_LOG_VOLUME;
     *(r->kind == SMR_LOG_FIXED_SURFACE ? &r->index : &r->structure) = image ? 0u : word[0];
     r->present = owned ? 1u : word[image ? 0 : 1];
     r->checksum = joined(word + (owned || image ? 1 : 2));

@@ -63,7 +63,7 @@ static int is_recorded(const smr *s, const smr_log_record *record, const void *g
     default: break;
     }
     const int whole = record->structure >= s->shared.n_structures; /* 1: the input belongs to no single structure */
-    const uint32_t n = whole ? s->shared.n : s->shape.structure[record->structure].n_vertices;
+    const uint32_t n = whole ? s->shared.n : s->shape.structure[record->structure].n_vertices; /* of positions */
     return legal && smr_log_checksum(record->kind, given, n) == record->checksum;
 }
 
@@ -73,9 +73,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     const void *given = NULL;
     smr *s = r->s;
     const uint32_t kind = record->kind, structure = record->structure;
-    const int all = kind == SMR_LOG_POSITIONS && structure == SMR_ALL;
     const int owned = kind == SMR_LOG_POSITIONS || kind == SMR_LOG_GOALS || kind == SMR_LOG_MOTION;
-    if (owned && !all && structure >= s->shared.n_structures)
+    if ((owned && structure >= s->shared.n_structures) || (kind == SMR_LOG_ALL_POSITIONS && structure != SMR_ALL))
         return SMR_E_LOG;
     if (record->present) {
         given = r->input == NULL ? NULL : r->input(r->ctx, record);

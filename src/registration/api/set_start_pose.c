@@ -337,7 +337,8 @@ static void note_start(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t 
 {
     smr_starting *j = job;
     const void *const what = j->xyz == NULL ? (const void *)&j->given : j->xyz;
-    const uint32_t kind = j->xyz == NULL ? SMR_LOG_POSE : SMR_LOG_POSITIONS;
+    const uint32_t given_as = j->structure == SMR_ALL ? SMR_LOG_ALL_POSITIONS : SMR_LOG_POSITIONS;
+    const uint32_t kind = j->xyz == NULL ? SMR_LOG_POSE : given_as;
     smr_changed(of(j), kind, j->xyz == NULL ? 0u : j->structure, what, j->xyz == NULL ? 0u : n_given(j));
 }
 

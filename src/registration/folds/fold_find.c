@@ -85,6 +85,7 @@ SMR_SELDOM void smr_fold_find_end(smr_folds *f)
         return;
     memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
     memset(f->marked, 0, f->shared->n);
+    smr_runs_clear(f);
     if (bent != 0u && f->schedule->repairing > 0u)
         smr_fold_repair_start(f);
     else if (bent != 0u)

@@ -217,7 +217,6 @@ void smr_fold_limit_start(smr_folds *f)
 {
     memset(&f->limit, 0, sizeof f->limit);
     f->limit.pass.stage = SMR_LIMIT_LOOK;
-    smr_runs_clear(f);
 }
 
 uint32_t smr_fold_limit_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->limit.pass); }

@@ -22,7 +22,7 @@ static void mark(smr_folds *f, uint32_t triangle)
     f->folding[smr_model_owner(f->shared->model, t[0])] = 1;
 }
 
-/* Marks the corners of dihedral edges that fold at x_next, in chunks where fold_find.c counted folds. */
+/* Marks the corners of dihedral edges that fold at x_next, in chunks where fold_find.c found folds. */
 SMR_SELDOM static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
@@ -148,7 +148,6 @@ void smr_fold_repair_start(smr_folds *f)
 {
     memset(&f->repair, 0, sizeof f->repair);
     f->repair.pass.stage = REPAIR_MARK;
-    smr_runs_clear(f);
 }
 
 uint32_t smr_fold_repair_tasks(const void *folds) { return smr_fold_tasks(&((const smr_folds *)folds)->repair.pass); }

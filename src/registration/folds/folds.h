@@ -1,5 +1,5 @@
 /* folds.h: finds and removes folds, triangles that turn over, at the last two radii. In: next positions. Out: next
- * positions with folds repaired, limited or opened. fold_find.c counts folds; fold_repair.c works in one iteration
+ * positions with folds repaired, limited or opened. fold_find.c finds folds; fold_repair.c works in one iteration
  * before these radii, fold_limit.c in later ones, fold_open.c on remaining folds at the last radius. A dihedral edge is
  * shared by two triangles; the edge's cosine is that of the angle between their normals.
  * SPDX-License-Identifier: MIT */

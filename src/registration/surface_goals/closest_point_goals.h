@@ -249,8 +249,8 @@ static inline float smr_target_area(const smr_surface *s, uint32_t j)
     return s->area_mean > 0.0f ? smr_min(s->area[j] / smr_max(s->area_mean, 1.0e-20f), 16.0f) : 1.0f;
 }
 
-/* outlier_weights.c. Returns the weight of the pull of target vertex j with the squared residual r2, mm^2: 0..1, at
- * tips up to 81, times smr_pull_turns(). */
+/* outlier_weights.c. Returns the weight, 0..1 and at tips up to 81, of the pull of target vertex j with the squared
+ * residual r2, mm^2. */
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2);
 void smr_residual_put(smr_surface_goals *g, uint32_t slot, float mm); /* stores a residual in target_residual[slot] */
 

@@ -88,11 +88,12 @@ uint32_t smr_pull_turns(const smr_surface_goals *g, const smr_goal *goal)
 {
     const smr_config *c = &g->shared->config;
     const smr_schedule *p = g->schedule;
-    const smr_target *target = &g->target[goal->structure];
     const uint32_t enough = c->motion.settle_share > 0.0f ? c->schedule.active_enough : 0u;
-    const int all = p->radius_iteration == 0u || p->tracking || smr_at_last_radius(g->shared, p) || c->dynamics.mode ||
-                    smr_is_cloud(goal->surface) || target->partial > 0u || !target->measured || enough == 0u;
-    return all ? 1u : smr_max_u32(1u, smr_min_u32(p->lists.smallest / enough, SMR_TURNS_MOST));
+    int all = p->radius_iteration == 0u || p->repaired > 0u || p->tracking || smr_at_last_radius(g->shared, p) ||
+              c->dynamics.mode || smr_is_cloud(goal->surface) || enough == 0u || p->lists.smallest < 2u * enough;
+    for (uint32_t i = goal->structure; i < g->shared->n_structures && !all; i++)
+        all = g->target[i].surface == goal->surface && (g->target[i].partial > 0u || !g->target[i].measured);
+    return all ? 1u : smr_min_u32(p->lists.smallest / enough, SMR_TURNS_MOST);
 }
 
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2)
@@ -103,7 +104,7 @@ float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint3
     const float tip = tip_of(g, goal->surface, j, scale, r2);
     const float cut = cut_of(g, goal->surface, scale) * (1.0f + smr_min(tip, 1.0f));
     return (1.0f + SMR_TIP_GAIN * tip) * biweight(r2, cut) * (1.0f / 255.0f) *
-           (float)(g->body_weight[body_slot(goal, j)] * smr_pull_turns(g, goal));
+           (float)g->body_weight[body_slot(goal, j)];
 }
 
 const unsigned char *smr_other_bodies(const smr_surface_goals *g, uint32_t structure)

@@ -94,8 +94,9 @@ static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one,
     }
 }
 
-/* Finds the model point closest to target vertex j on structures up to `last`; adds the vertex' pulls on the model. */
-static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, uint32_t j, smr_worker *w,
+/* Finds the model point closest to target vertex j on structures up to `last`; adds the vertex' pulls on the model,
+ * `times` times. */
+static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, uint32_t j, float times, smr_worker *w,
                      int64_t *pull)
 {
     const smr_surface *surface = goal->surface;
@@ -123,7 +124,7 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, 
     g->target_other[slot] = known.other_mm + target->path - SMR_KEY_ROUNDED;
     __atomic_store_n(&g->target_warm[slot], one->first_triangle + hit->triangle, __ATOMIC_RELAXED);
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit->triangle, hit->weight));
-    const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
+    const float r2 = smr_dot(r, r), weight = times * smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
     smr_residual_put(g, slot, SMR_SQRT(r2));
     if (smr_reject_distance(g, r2) || !(weight > 0.0f))
         return;
@@ -152,8 +153,8 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
         k++;
     const smr_goal *goal = &g->goal[k];
-    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
-    if (!smr_attracts(g, goal->surface) || !smr_pulls_now(g, smr_pull_turns(g, goal), first))
+    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK, turns = smr_pull_turns(g, goal);
+    if (!smr_attracts(g, goal->surface) || !smr_pulls_now(g, turns, first))
         return;
     uint32_t structure = g->shared->n_structures - 1u; /* the last one with this target */
     while (structure > goal->structure && g->target[structure].surface != goal->surface)
@@ -166,7 +167,7 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
             return;
         if (SMR_PREFETCHES)
             ahead(g, goal, j);
-        pull_one(g, goal, structure, j, w, pull);
+        pull_one(g, goal, structure, j, (float)turns, w, pull);
         if (smr_worker_kept(w, j - first, work))
             return;
     }
