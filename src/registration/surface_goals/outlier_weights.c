@@ -198,25 +198,31 @@ static float scale_of(const smr_surface_goals *g, float share)
     return SMR_OUTLIER_SIGMA * (low + part * (high - low));
 }
 
-/* First pass: counts residuals of the vertices that pull now. Second pass: sums inliers of components. */
+/* First pass: counts the residual of a vertex. Second pass: adds the vertex to the sums of its component. */
+static inline void add_vertex(smr_surface_goals *g, const smr_goal *goal, uint32_t j, float cut, int second)
+{
+    const uint32_t steps = g->target_residual[goal->first_warm + j];
+    const uint32_t area = (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(goal->surface, j) + 0.5f);
+    if (!second) {
+        tally(g, steps, area);
+        return;
+    }
+    const float r = residual_of(steps);
+    smr_body_sum *sum = &g->body_sum[body_slot(goal, j)];
+    sum->area += area;
+    sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area + 0.5f) : 0u;
+}
+
+/* Adds the vertices of a chunk that pull now. */
 static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t chunk, int second)
 {
     const float cut = cut_of(g, goal->surface, goal->scale);
     const uint32_t last = smr_min_u32((chunk + 1u) * SMR_OUTLIER_CHUNK, goal->n_vertices);
     const uint32_t turns = smr_pull_turns(g, goal);
-    for (uint32_t j = chunk * SMR_OUTLIER_CHUNK; j < last; j++) {
-        if (!smr_pulls_now(g, turns, j))
-            continue;
-        const uint32_t steps = g->target_residual[goal->first_warm + j];
-        const uint32_t area = (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(goal->surface, j) + 0.5f);
-        if (!second) {
-            tally(g, steps, area);
-            continue;
-        }
-        const float r = residual_of(steps);
-        smr_body_sum *sum = &g->body_sum[body_slot(goal, j)];
-        sum->area += area;
-        sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area + 0.5f) : 0u;
+    for (uint32_t from = chunk * SMR_OUTLIER_CHUNK; from < last; from += SMR_FORCE_CHUNK) {
+        const uint32_t to = smr_pulls_now(g, turns, from) ? smr_min_u32(from + SMR_FORCE_CHUNK, last) : from;
+        for (uint32_t j = from; j < to; j++)
+            add_vertex(g, goal, j, cut, second);
     }
 }
 
