@@ -151,3 +151,26 @@ TEST(test_momentum_ends_before_its_use)
     smr_steps[spread].end(s);
     assert_true(s->schedule.momentum == 0.0f);
 }
+
+/* Pulls that oppose the last displacements say nothing once the last cloud is taken away. */
+TEST(test_swings_need_a_cloud)
+{
+    smr *s = run_onto(1, 2, 0.0f, 0.0f);
+    s->forces.points.along = -1.0e30f;
+    assert_true(s->forces.surface.clouds->swings(&s->forces.points));
+    s->forces.surface.n_clouds = 0;
+    assert_false(s->forces.surface.clouds->swings(&s->forces.points));
+}
+
+/* A structure without triangles beside one with them: points attract it, and nothing spreads over it. */
+TEST(test_structure_without_triangles)
+{
+    smr_mesh part[2] = {pair.part[0], pair.part[1]};
+    part[0].n_triangles = 0;
+    part[0].triangles = NULL;
+    const smr_prepare_config radii = rig_radii(3, 60, 30, 12);
+    pair.model = rig_model(part, 2, &radii);
+    smr *s = run_onto(SMR_ALL, 3, 0.0f, 0.0f);
+    assert_int_equal(part[1].n_vertices, s->forces.points.n);
+    assert_int_equal(part[1].n_vertices, s->forces.points.n_smallest);
+}

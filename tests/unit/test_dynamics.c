@@ -107,6 +107,7 @@ TEST(test_damped_fall)
         const double h = 1e-3 * (double)e.config.dynamics.step_ms, c = (double)rates[i % 3u];
         double x = 0.0, v = i < 3u ? 0.0 : 2000.0;
         e.config.dynamics.damping = rates[i % 3u];
+        e.config.partial.coverage = i % 2u ? SMR_COVERAGE_WHOLE : SMR_COVERAGE_AUTO;
         smr *s = rig_init(e.model, &e.config, NULL);
         const smr_energy before = rig_energy(s);
         for (uint32_t k = 0; k < e.n; k++)
