@@ -1017,8 +1017,8 @@ typedef struct smr_schedule_config {
     /* share, [0, 1], default 1. Active share at the schedule's start; grows to active_share if below it. */
     float active_first;
     /* vertices, [0, 1000000], default 30. With an image, and at radii before the last if settle_share is not 0, this
-     * many active vertices in the smallest cluster suffice, if 1,000 of the model are active, too, rounded to priority
-     * levels; others are ignored, and vertices of a whole target attract by turns. 0: active_share alone decides. */
+     * many active vertices in the smallest cluster suffice, if 1,000 of the whole model are active, too; the iteration
+     * ignores all other vertices. The number is rounded to whole priority levels. 0: active_share alone decides. */
     uint32_t active_enough;
 } smr_schedule_config;
 

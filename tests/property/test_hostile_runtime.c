@@ -85,7 +85,7 @@ TEST(test_not_a_registration)
     assert_int_equal(SMR_E_INPUT, smr_set_surface(good, 1, surface));
     assert_int_equal(SMR_E_INPUT, smr_set_surface(good, SMR_ALL - 1u, NULL));
     assert_int_equal(SMR_E_INPUT, smr_set_positions(good, 1, ball.xyz));
-    assert_int_equal(SMR_E_INPUT, smr_set_positions(good, SMR_ALL, ball.xyz));
+    assert_int_equal(SMR_E_INPUT, smr_set_positions(good, SMR_ALL - 1u, ball.xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_positions(good, 1, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_normals(good, SMR_ALL, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_structure_report(good, 1, &part));

@@ -3,7 +3,6 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
-#include "property/rig_parts.h"
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};
@@ -155,73 +154,4 @@ TEST(test_outliers)
     search(t.s);
     assert_true(t.s->forces.totals.n_rejected > 0u && t.s->forces.totals.n_rejected < t.s->shared.n / 4u);
     assert_true(t.s->forces.totals.max <= limit);
-}
-
-static uint32_t turns_of(const smr *s) { return smr_pull_turns(&s->forces.surface, &s->forces.surface.goal[0]); }
-
-/* Returns the sum of the weights of all pulls in this iteration. */
-static double pulled(smr *s)
-{
-    smr_surface_goals *g = &s->forces.surface;
-    double all = 0.0;
-    int64_t sum[4];
-    smr_worker_start(&s->shared.worker[0]);
-    s->shared.worker[0].pause.left = SMR_ENDLESS;
-    for (uint32_t task = 0; task < smr_attract_tasks(g); task++)
-        smr_attract_search(g, task, 0);
-    for (uint32_t v = 0; v < s->shared.n; v++) {
-        smr_pull_sum(g, v, sum);
-        all += (double)sum[3];
-    }
-    return all;
-}
-
-/* Vertices of a whole target pull by turns at coarse radii, each once and with the weight of all: not in a radius'
- * first iteration, nor where pulls decide what is visible, of any structure with this target. */
-TEST(test_pulls_by_turns)
-{
-    const float beside[3] = {70, 0, 0};
-    const smr_mesh two[2] = {rig_ball(30, 9, 12, none), rig_ball(30, 9, 12, beside)}, goal = rig_joined(two, 2);
-    const smr_prepare_config radii = rig_radii(3, 60, 30, 15);
-    smr_config c = smr_config_default();
-    c.basic.n_target_vertices = goal.n_vertices;
-    smr *s = rig_init(rig_model(two, 2, &radii), &c, NULL);
-    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
-    assert_int_equal(1, turns_of(s));
-    (void)rig_run(s, 2);
-    smr_schedule *const p = &s->schedule;
-    smr_target *const target = s->forces.surface.target;
-    p->radius_iteration = 1;
-    const struct {
-        uint32_t *what, value;
-    } all[] = {{&p->radius_iteration, 0}, {&p->repaired, 1},
-               {&p->tracking, 1},         {&p->radius, 2},
-               {&target[0].partial, 1},   {&target[1].partial, 1},
-               {&target[0].measured, 0},  {&target[1].measured, 0},
-               {&p->lists.smallest, 59},  {&s->shared.config.schedule.active_enough, 0}};
-    static const uint32_t smallest[3][2] = {{60, 2}, {119, 3}, {1000, 4}};
-    for (uint32_t k = 0; k < 3u; k++) {
-        p->lists.smallest = smallest[k][0];
-        const uint32_t turns = turns_of(s);
-        assert_int_equal(smallest[k][1], turns);
-        for (uint32_t j = 0; j < goal.n_vertices; j++) {
-            uint32_t n = 0;
-            for (uint32_t i = 0; i < turns; i++, p->iteration++)
-                n += (uint32_t)smr_pulls_now(&s->forces.surface, turns, j);
-            assert_int_equal(1, n);
-        }
-    }
-    for (uint32_t k = 0; k < sizeof all / sizeof all[0]; k++) {
-        const uint32_t was = *all[k].what;
-        *all[k].what = all[k].value;
-        assert_int_equal(1, turns_of(s));
-        *all[k].what = was;
-        assert_int_equal(4, turns_of(s));
-    }
-    double by_turns = 0.0;
-    for (uint32_t i = 0; i < 4u; i++, p->iteration++)
-        by_turns += 0.25 * pulled(s);
-    p->radius_iteration = 0;
-    const double at_once = pulled(s);
-    assert_true(at_once > 1.0e6 && fabs(by_turns - at_once) < 1.0e-3 * at_once);
 }

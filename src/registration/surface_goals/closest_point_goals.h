@@ -230,15 +230,6 @@ static inline int smr_attracts(const smr_surface_goals *g, const smr_surface *ta
     return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
 }
 
-/* Returns the number of iterations in which each vertex of a target pulls once, 1..4 (outlier_weights.c). */
-uint32_t smr_pull_turns(const smr_surface_goals *g, const smr_goal *goal);
-
-/* Returns 1 when target vertex j pulls in this iteration: by turns, SMR_FORCE_CHUNK vertices together. */
-static inline int smr_pulls_now(const smr_surface_goals *g, uint32_t turns, uint32_t j)
-{
-    return turns < 2u || (j / SMR_FORCE_CHUNK + g->schedule->iteration) % turns == 0u;
-}
-
 /* Step: each target vertex finds the closest point of the model, and pulls the model's vertices there. */
 smr_count_tasks smr_attract_tasks;
 smr_run_task smr_attract_search;

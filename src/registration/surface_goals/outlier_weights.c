@@ -22,8 +22,6 @@
 #define SMR_OUTLIER_TRACK 24.0f   /* cluster radius / scale of residuals that is assumed for a moved target */
 #define SMR_OUTLIER_TINY 1.0e-20f /* least divisor: compilers divide before they test divisors for 0 */
 
-#define SMR_TURNS_MOST 4u /* largest number of iterations in which a target vertex pulls once */
-
 /* Tips and corners of a mesh have residuals above NONE times SMR_OUTLIER_CUT scales. Each further cut, up to MOST, adds
  * GAIN to their weight; over the first the residual of weight 0 doubles. Else means of pulls hardly reach tips. */
 #define SMR_TIP_NONE 2.0f
@@ -79,21 +77,6 @@ static float tip_of(const smr_surface_goals *g, const smr_surface *surface, uint
 static uint32_t body_slot(const smr_goal *goal, uint32_t j)
 {
     return goal->first_body + smr_min_u32(smr_surface_body(goal->surface, j), SMR_BODY_SMALL + goal->n_bodies);
-}
-
-/* Where the smallest cluster holds several times config.schedule.active_enough vertices, those of a whole target pull
- * by turns: each cluster averages enough of them. In a radius' first iteration all pull, so that the weights of all
- * components are known. The pulls of a partial target decide what is visible. */
-uint32_t smr_pull_turns(const smr_surface_goals *g, const smr_goal *goal)
-{
-    const smr_config *c = &g->shared->config;
-    const smr_schedule *p = g->schedule;
-    const uint32_t enough = c->motion.settle_share > 0.0f ? c->schedule.active_enough : 0u;
-    int all = p->radius_iteration == 0u || p->repaired > 0u || p->tracking || smr_at_last_radius(g->shared, p) ||
-              c->dynamics.mode || smr_is_cloud(goal->surface) || enough == 0u || p->lists.smallest < 2u * enough;
-    for (uint32_t i = goal->structure; i < g->shared->n_structures && !all; i++)
-        all = g->target[i].surface == goal->surface && (g->target[i].partial > 0u || !g->target[i].measured);
-    return all ? 1u : smr_min_u32(p->lists.smallest / enough, SMR_TURNS_MOST);
 }
 
 float smr_outlier_weight(const smr_surface_goals *g, const smr_goal *goal, uint32_t j, float r2)
@@ -198,31 +181,22 @@ static float scale_of(const smr_surface_goals *g, float share)
     return SMR_OUTLIER_SIGMA * (low + part * (high - low));
 }
 
-/* First pass: counts the residual of a vertex. Second pass: adds the vertex to the sums of its component. */
-static inline void add_vertex(smr_surface_goals *g, const smr_goal *goal, uint32_t j, float cut, int second)
-{
-    const uint32_t steps = g->target_residual[goal->first_warm + j];
-    const uint32_t area = (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(goal->surface, j) + 0.5f);
-    if (!second) {
-        tally(g, steps, area);
-        return;
-    }
-    const float r = residual_of(steps);
-    smr_body_sum *sum = &g->body_sum[body_slot(goal, j)];
-    sum->area += area;
-    sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area + 0.5f) : 0u;
-}
-
-/* Adds the vertices of a chunk that pull now. */
+/* First pass: counts residuals. Second pass: sums inliers of components. */
 static void add_vertices(smr_surface_goals *g, const smr_goal *goal, uint32_t chunk, int second)
 {
     const float cut = cut_of(g, goal->surface, goal->scale);
     const uint32_t last = smr_min_u32((chunk + 1u) * SMR_OUTLIER_CHUNK, goal->n_vertices);
-    const uint32_t turns = smr_pull_turns(g, goal);
-    for (uint32_t from = chunk * SMR_OUTLIER_CHUNK; from < last; from += SMR_FORCE_CHUNK) {
-        const uint32_t to = smr_pulls_now(g, turns, from) ? smr_min_u32(from + SMR_FORCE_CHUNK, last) : from;
-        for (uint32_t j = from; j < to; j++)
-            add_vertex(g, goal, j, cut, second);
+    for (uint32_t j = chunk * SMR_OUTLIER_CHUNK; j < last; j++) {
+        const uint32_t steps = g->target_residual[goal->first_warm + j];
+        const uint32_t area = (uint32_t)(SMR_OUTLIER_AREA * smr_target_area(goal->surface, j) + 0.5f);
+        if (!second) {
+            tally(g, steps, area);
+            continue;
+        }
+        const float r = residual_of(steps);
+        smr_body_sum *sum = &g->body_sum[body_slot(goal, j)];
+        sum->area += area;
+        sum->inlier += steps < SMR_RESIDUAL_NONE ? (uint32_t)(biweight(r * r, cut) * (float)area + 0.5f) : 0u;
     }
 }
 
@@ -266,8 +240,7 @@ static void weigh_bodies(smr_surface_goals *g, const smr_goal *goal)
     for (uint32_t b = SMR_BODY_FIRST; b < SMR_BODY_FIRST + goal->n_bodies; b++) {
         const float over = most > 0.0f ? inlier_share(&sum[b]) / smr_max(most, SMR_OUTLIER_TINY) : 1.0f;
         const float share = smr_clamp((over - SMR_BODY_NONE) / (SMR_BODY_FULL - SMR_BODY_NONE), 0.0f, 1.0f);
-        if (sum[b].area > 0u) /* a component none of whose vertices pulls now keeps its weight */
-            weight[b] = (uint8_t)(255.0f * share + 0.5f);
+        weight[b] = (uint8_t)(255.0f * share + 0.5f);
         target->others |= weight[b] == 0u;
     }
 }

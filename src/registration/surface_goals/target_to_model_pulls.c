@@ -2,8 +2,7 @@
  * model and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. Closest
  * points of the model's vertices alone leave parts of the target uncovered. A target vertex also pulls other places of
  * the same structure that are nearly as near, the less the farther away, so last bits of distances change next to
- * nothing. At coarse radii vertices of a whole target pull by turns. Pulls are summed as 64-bit whole numbers, per
- * worker and then over workers: any order gives the same bits.
+ * nothing. Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
  * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -94,9 +93,8 @@ static void add_pull(const smr_surface_goals *g, const smr_shape_structure *one,
     }
 }
 
-/* Finds the model point closest to target vertex j on structures up to `last`; adds the vertex' pulls on the model,
- * `times` times. */
-static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, uint32_t j, float times, smr_worker *w,
+/* Finds the model point closest to target vertex j on structures up to `last`; adds the vertex' pulls on the model. */
+static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, uint32_t j, smr_worker *w,
                      int64_t *pull)
 {
     const smr_surface *surface = goal->surface;
@@ -124,7 +122,7 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, 
     g->target_other[slot] = known.other_mm + target->path - SMR_KEY_ROUNDED;
     __atomic_store_n(&g->target_warm[slot], one->first_triangle + hit->triangle, __ATOMIC_RELAXED);
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit->triangle, hit->weight));
-    const float r2 = smr_dot(r, r), weight = times * smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
+    const float r2 = smr_dot(r, r), weight = smr_target_area(surface, j) * smr_outlier_weight(g, goal, j, r2);
     smr_residual_put(g, slot, SMR_SQRT(r2));
     if (smr_reject_distance(g, r2) || !(weight > 0.0f))
         return;
@@ -153,12 +151,12 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
         k++;
     const smr_goal *goal = &g->goal[k];
-    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK, turns = smr_pull_turns(g, goal);
-    if (!smr_attracts(g, goal->surface) || !smr_pulls_now(g, turns, first))
+    if (!smr_attracts(g, goal->surface))
         return;
     uint32_t structure = g->shared->n_structures - 1u; /* the last one with this target */
     while (structure > goal->structure && g->target[structure].surface != goal->surface)
         structure--;
+    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     const uint32_t work = SMR_WORK_TARGET + SMR_WORK_STRUCTURE * g->shared->n_structures;
     smr_worker_needs(w, work + SMR_NEAR_MOST * SMR_WORK_PULL);
@@ -167,7 +165,7 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
             return;
         if (SMR_PREFETCHES)
             ahead(g, goal, j);
-        pull_one(g, goal, structure, j, (float)turns, w, pull);
+        pull_one(g, goal, structure, j, w, pull);
         if (smr_worker_kept(w, j - first, work))
             return;
     }
