@@ -176,7 +176,7 @@ typedef struct smr_pose {
  * determinant of columns 0 to 2 is outside [1e-9, 1e9]). */
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
-/* Sets the positions of a structure, [n_vertices][3] mm in the order of the caller, or of SMR_ALL, all in a row.
+/* Sets the positions of a structure, or of SMR_ALL, all in a row: [n_vertices][3] mm in the caller's vertex order.
  * The present positions of all structures become the reference shape x^r, and the schedule restarts.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);

@@ -182,8 +182,9 @@ TEST(test_all_structures_at_once)
     assert_int_equal(5, report.tick);
     const uint32_t head = SMR_LOG_ALL_POSITIONS | 20u << 8;
     size_t record = 0;
-    while (smr_log_get32(log + record) != head)
+    while (record < written.bytes && smr_log_get32(log + record) != head)
         record += 4u;
+    assert_true(record < written.bytes);
     for (uint32_t forged = 0; forged < 2u; forged++) { /* all as the positions of one, and one as those of all */
         smr_log_put32(log + record, forged ? head : SMR_LOG_POSITIONS | 20u << 8);
         smr_log_put32(log + record + 4u, forged ? 0u : SMR_ALL);

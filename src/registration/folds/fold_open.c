@@ -87,8 +87,8 @@ SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b,
     }
 }
 
-/* Returns the first edge of from .. to - 1 that may be folded: any edge where folds were found. Only fold_limit.c's
- * requests touch runs. */
+/* Returns the first of the edges from .. to - 1 that may be folded; to: none. Where folds were found, any may. Runs are
+ * touched by requests of fold_limit.c alone: after other steps all edges are looked at. */
 static uint32_t next(const smr_folds *f, int found, uint32_t from, uint32_t to)
 {
     return found ? from : smr_next_marked(f, from, to, f->limit.held || f->open.n_passes + f->open.n_folds > 0u);

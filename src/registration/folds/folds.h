@@ -36,7 +36,7 @@ typedef struct smr_fold_limit {
     uint32_t n_listed; /* number of vertices with requests in this round */
     uint32_t n_marked; /* number of marked vertices, ... */
     uint32_t n_before; /* ... and before this round */
-    uint32_t held;     /* 1: steps were shortened; their runs of triangles were not touched */
+    uint32_t held;     /* 1: steps were shortened; the runs of their corners' triangles are not touched */
     float most;        /* largest share, 0..1, by which an edge asks to even out its corners' steps in this round */
 } smr_fold_limit;
 
