@@ -91,6 +91,7 @@ SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
 FAULTS_SRC  := $(sort $(wildcard tests/faults/*.c))
 GOLDEN_OBJ  := $(call obj,$(addprefix tests/golden/golden,.c _goals.c _images.c _save.c)) $(PRINT_OBJ)
+ANSWERS_OBJ := $(call obj,$(addprefix tests/golden/answers,.c _run.c _calls.c))
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
@@ -144,7 +145,7 @@ help:
 	@echo 'make settings-page   writes $(BUILD)/SETTINGS.md from the tables of settings'
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
-	@echo 'make golden-update   records the current state hash as the expected one'
+	@echo 'make golden-update   records the current state hash and answers as the expected ones'
 	@echo 'make api-update      records functions, layouts and values of the public headers as the expected ones'
 	@echo 'make kept-update     writes the model, log and save of this version that later versions read, tests/golden/kept'
 	@echo 'make check-itk       fields, surfaces and label maps read by ITK, where CMake and ITK are installed'
@@ -270,6 +271,10 @@ $(BUILD)/golden: $(GOLDEN_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
+$(BUILD)/answers: $(ANSWERS_OBJ) $(FIXTURE_OBJ) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
+
 $(BUILD)/faults: $(call obj,$(FAULTS_SRC)) $(SUPPORT_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
@@ -354,7 +359,7 @@ $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC)): | cmocka
 # What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
 layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
-programs: all $(TESTS) $(HOST_TESTS) $(HOST_TOOLS) $(CASE_TOOL) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
+programs: all $(TESTS) $(HOST_TESTS) $(HOST_TOOLS) $(CASE_TOOL) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/answers $(BUILD)/replay_run \
           $(BUILD)/faults \
           $(BUILD)/settings_page $(call obj,$(wildcard port/template/*.c))
 
@@ -370,7 +375,7 @@ check-html: $(PROGRAM)
 	@SMR="$(BUILD)/smr" BUILD="$(BUILD)" sh tests/html/check_html.sh
 
 UNIT_TESTS := $(filter $(BUILD)/tests/unit/%,$(TESTS))
-check-quick: all $(UNIT_TESTS) $(BUILD)/golden
+check-quick: all $(UNIT_TESTS) $(BUILD)/golden $(BUILD)/answers
 	@$(run_checks) --quick $(UNIT_TESTS)
 
 faults: $(BUILD)/faults $(PROGRAM) $(HOST_TOOLS) $(BUILD)/tests/property/test_combinations
@@ -475,7 +480,8 @@ api-update:
 kept-update: $(PROGRAM)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/golden/check_kept.sh --update
 
-golden-update: $(BUILD)/golden
+golden-update: $(BUILD)/golden $(BUILD)/answers
+	$(Q)$(BUILD)/answers > tests/golden/answers.txt
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
 

@@ -7,9 +7,11 @@ Draws N faults: a line of src/**.c that some test runs, then a kind that the lin
 file lies in BUILD/mutants and goes before the library when a program of BUILD is linked, so one file is compiled and
 the tree stays as it is. Only the programs that run the line are tried, until one fails. A fault that changes no byte of
 the object file is `same`: no test can find it. A program that needs far more processor time than before has failed.
-Ends with the survivors. SLOWEST=S leaves out programs that took longer than S seconds in coverage.py.
+Ends with the survivors. SLOWEST=S leaves out programs that took longer than S seconds in coverage.py; JOBS=J tries J
+faults at once, 1 by default.
 """
 import collections
+import concurrent.futures
 import json
 import math
 import os
@@ -18,7 +20,10 @@ import re
 import shlex
 import subprocess
 import sys
+import threading
 from pathlib import Path
+
+from coverage import is_good
 
 RELATION = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 BOUNDARY = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}
@@ -95,8 +100,6 @@ class Bench:
     """A built tree, and the commands that made its parts."""
 
     def __init__(self, folder, programs):
-        self.scratch = f"{folder}/mutants"
-        os.makedirs(self.scratch, exist_ok=True)
         self.folder = folder
         self.programs = programs
         self.sound = {}  # bytes of each unchanged object
@@ -110,11 +113,16 @@ class Bench:
             words = shlex.split(line) if " -o " in line else []
             if "-o" in words:
                 self.commands[words[words.index("-o") + 1]] = words
-        self.expected = Path("tests/golden/expected.txt").read_bytes()
+
+    def scratch(self):
+        """The folder of this thread."""
+        name = f"{self.folder}/mutants/{threading.get_ident()}"
+        os.makedirs(name, exist_ok=True)
+        return name
 
     def compile(self, path, text):
         """The bytes of the object file, or None. It stays as mutant.o. Any optimisation gives the same results."""
-        source, target = f"{self.scratch}/mutant.c", f"{self.scratch}/mutant.o"
+        source, target = f"{self.scratch()}/mutant.c", f"{self.scratch()}/mutant.o"
         Path(source).write_text(text)
         had = f"{self.folder}/obj/{path[:-2]}.o"
         words = [{path: source, had: target}.get(word, word) for word in self.commands[had] if word[:2] not in ("-W", "-M")]
@@ -125,10 +133,10 @@ class Bench:
 
     def passes(self, name):
         """Links the program with mutant.o and runs it."""
-        target = f"{self.scratch}/mutant"
+        target = f"{self.scratch()}/mutant"
         words = list(self.commands[f"{self.folder}/{name}"])
         at = words.index("-o")
-        words[at:at + 2] = ["-o", target, f"{self.scratch}/mutant.o"]
+        words[at:at + 2] = ["-o", target, f"{target}.o"]
         if subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
             return False
         seconds = self.programs[name]["seconds"]
@@ -136,7 +144,7 @@ class Bench:
                   "--core=0", f"--as={4 << 30}"]
         done = subprocess.run(limits + [target], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.DEVNULL)
-        return done.returncode == 0 and (name != "golden" or done.stdout == self.expected)
+        return is_good(name, done)
 
     def order(self, site):
         """The programs that run the line: quick ones, those named like the file and those that found faults in it come first."""
@@ -192,12 +200,14 @@ def main():
             covered[path].update(lines)
     bench = Bench(folder, programs)
     verdicts, survivors, start = collections.Counter(), [], processor_seconds()
-    for number, site in enumerate(draw(sites_by_line(covered), int(count), int(seed)), 1):
-        verdict, killer = bench.judge(site)
-        verdicts[verdict] += 1
-        if verdict == "survived":
-            survivors.append(site)
-        print(f"{number}: {verdict} {killer}   {describe(site)}", flush=True)
+    with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as threads:
+        tries = {threads.submit(bench.judge, site): site for site in draw(sites_by_line(covered), int(count), int(seed))}
+        for done in concurrent.futures.as_completed(tries):
+            site, (verdict, killer) = tries[done], done.result()
+            verdicts[verdict] += 1
+            if verdict == "survived":
+                survivors.append(site)
+            print(f"{sum(verdicts.values())}: {verdict} {killer}   {describe(site)}", flush=True)
     tried = verdicts["killed"] + verdicts["survived"]
     print(f"\nsurvivors, seed {seed}; not run: {' '.join(left_out) or 'no program'}")
     for site in sorted(survivors):

@@ -53,19 +53,21 @@ compiler() { # compiler, flags, directory
     compile "$1 $2" "$3" golden CC="$1" CFLAGS="$2" && row "$1 $2" "$("$dir/golden" threads 2)"
 }
 
-run='threads 2'
+run='threads 2' all_of=golden
 cross() { # name, compiler prefix, qemu, package of the C library, more flags
     if ! have "$2-gcc"; then skip "$1" "gcc-$2 $4"; return; fi
     if ! have "$3"; then skip "$1" qemu-user; return; fi
-    compile "$1" "$2" golden CC="$2-gcc" AR="$2-ar" CFLAGS="-O2 $5" LDFLAGS=-static &&
-        row "$1" "$("$3" "$build/$2/golden" $run)"
+    for part in $all_of; do compile "$1" "$2" "$part" CC="$2-gcc" AR="$2-ar" CFLAGS="-O2 $5" LDFLAGS=-static || return; done
+    row "$1" "$("$3" "$build/$2/golden" $run)"
+    [ "$all_of" = golden ] && return
+    said=$("$3" "$build/$2/answers" | diff - tests/golden/answers.txt) || row "$1" "FAILED: answers: $(echo "$said" | tr '\n\t' '  ')"
 }
 
-# The whole run, whose saves must be this machine's, and which goes on from those. Strict C11 would evaluate floats in double there.
+# The whole run, whose saves must be this machine's, and which goes on from those; and all answers. Strict C11 would evaluate floats in double there.
 big_endian() {
-    run="restores $build/saves"
+    run="restores $build/saves" all_of='golden answers'
     cross 's390x, big-endian (qemu-user)' s390x-linux-gnu qemu-s390x libc6-dev-s390x-cross -fexcess-precision=fast
-    run='threads 2'
+    run='threads 2' all_of=golden
 }
 
 on_board() { # m7 or m55

@@ -153,6 +153,26 @@ TEST(test_leaves_alone)
     rig_free_all();
 }
 
+/* A part of the limb and all of it: where the part shows the joint, the part bends; where it shows the limb's near half
+ * and little more, another body could lie there, too. */
+TEST(test_parts)
+{
+    static const struct {
+        float degrees, low, top;
+        int of_model, bends;
+    } part[] = {{20, -300, 60, 1, 0}, {20, -60, 60, 1, 1}, {20, -60, 60, 0, 1}, {60, 0, 60, 0, 0}};
+    const smr_mesh rest = limb();
+    float *at = rig_alloc(12u * (size_t)rest.n_vertices);
+    for (uint32_t i = 0; i < sizeof part / sizeof part[0]; i++) {
+        const smr_mesh target = bent(&rest, part[i].degrees);
+        const smr_mesh cut = between(part[i].of_model ? &rest : &target, &rest, part[i].low, part[i].top);
+        const uint32_t n =
+            part[i].of_model ? found(&cut, &target, &here, 0, NULL, at) : found(&rest, &cut, &here, 0, NULL, at);
+        assert_int_equal(part[i].bends, n > 0u);
+    }
+    rig_free_all();
+}
+
 /* Without area, or a twentieth of a millimetre in size: nothing is found, and nothing is divided by 0. */
 TEST(test_hardly_surfaces)
 {

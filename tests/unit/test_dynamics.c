@@ -6,6 +6,7 @@
 #include <string.h>
 #include "property/rig_motion.h"
 #include "options/dynamics/dynamics.h"
+#include "registration/registration.h"
 
 static smr_mesh bone;
 static rig_motion e;
@@ -161,6 +162,25 @@ static void momentum(const smr *s, double p[6])
         for (uint32_t c = 0; c < 3u; c++)
             p[3u + c] += m * (x[(c + 1u) % 3u] * w[(c + 2u) % 3u] - x[(c + 2u) % 3u] * w[(c + 1u) % 3u]);
     }
+}
+
+/* New velocities abandon an iteration within its first step, and nothing of the iteration is left. */
+TEST(test_abandoned)
+{
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    e.config.dynamics.gravity[1] = -9810.0f;
+    smr *s = rig_init(e.model, &e.config, &port), *twin = rig_init(e.model, &e.config, NULL);
+    rig_steps(s, 2);
+    rig_steps(twin, 2);
+    assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, NULL));
+    assert_true(s->step == 0u && s->next_task > 0u);
+    e.speed[0] = 5.0f;
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+    assert_int_equal(SMR_OK, smr_set_motion(twin, 0, NULL, e.speed));
+    rig_steps(s, 2);
+    rig_steps(twin, 2);
+    assert_true(smr_state_hash(s) == smr_state_hash(twin));
 }
 
 TEST(test_keeps_momentum)

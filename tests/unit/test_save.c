@@ -93,6 +93,22 @@ TEST(test_forged_heads)
     }
 }
 
+/* A repair of folds is under way, or over, not both: words from the end of a save without tracking. */
+TEST(test_forged_repair)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES];
+    for (uint32_t both = 0; both < 4u; both++) {
+        smr_status status;
+        memcpy(saved, u.saved, u.bytes);
+        smr_log_put32(saved + u.bytes - 4u - 4u * 6u, both & 1u);  /* repairing */
+        smr_log_put32(saved + u.bytes - 4u - 4u * 5u, both >> 1u); /* repaired */
+        unit_save_seal(saved, u.bytes);
+        smr *const s = unit_save_restored(&u, saved, u.bytes, 0, &status);
+        assert_int_equal(both < 3u ? SMR_OK : SMR_E_SAVE, status);
+        assert_true(s == NULL || (s->schedule.repairing == (both & 1u) && s->schedule.repaired == both >> 1u));
+    }
+}
+
 /* The macro is a bound, and not far off. */
 TEST(test_macro)
 {

@@ -128,7 +128,7 @@ SMR_SELDOM void smr_abandon_iteration(smr *s)
     for (uint32_t v = 0; v < smr_normals_exchanged(s); v++)
         smr_put3(s->shape.normal, v, smr_next_normal(s->sums.sum, v));
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
-    if (s->step > 0u || s->next_task > 0u)
+    if (s->step > 0u) /* the first step does not change it */
         s->shape.rest_pose = s->shape.rest_pose_before;
     smr_iteration_reset(s, 0, 1);
     smr_triangles_now(&s->shape);
