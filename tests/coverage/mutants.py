@@ -7,6 +7,7 @@ Draws N faults: a line of src/**.c that some test runs, then a kind that the lin
 file lies in BUILD/mutants and goes before the library when a program of BUILD is linked, so one file is compiled and
 the tree stays as it is. Only the programs that run the line are tried, until one fails. A fault that changes no byte of
 the object file is `same`: no test can find it. A program that needs far more processor time than before has failed.
+tests/coverage/equivalent.txt lists faults that change no result, with the reason, and these are not tried.
 Ends with the survivors. SLOWEST=S leaves out programs that took longer than S seconds in coverage.py; JOBS=J tries J
 faults at once, 1 by default.
 """
@@ -35,6 +36,8 @@ STATEMENT = re.compile(rf"^ +((?:{PLACE} (?:[-+*/|&^]|<<|>>)?= |\w+\(|{PLACE}(?:
 ARRAY = re.compile(r"\b(?!return |else )\w+ \w+\[(\w+\]\[)*$")  # a declaration: a longer one is as good
 NO_CODE = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|^[ \t]*\#(?:[^\n]*\\\n)*[^\n]*""",
                      re.S | re.M)
+
+TRAPS = ["-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]  # an index beyond its array ends the program
 
 Site = collections.namedtuple("Site", "path line kind start end text")
 
@@ -104,6 +107,7 @@ class Bench:
         self.programs = programs
         self.sound = {}  # bytes of each unchanged object
         self.kills = collections.Counter()
+        self.equivalent = equivalents()
         make = [os.environ.get("MAKE", "make"), f"BUILD={folder}"] + [f"{folder}/{name}" for name in programs]
         environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS")}
         subprocess.run(make + ["-s"], check=True, env=environment)
@@ -126,7 +130,7 @@ class Bench:
         Path(source).write_text(text)
         had = f"{self.folder}/obj/{path[:-2]}.o"
         words = [{path: source, had: target}.get(word, word) for word in self.commands[had] if word[:2] not in ("-W", "-M")]
-        words += ["-O2", "-g0", "-w", "-iquote", os.path.dirname(path)]
+        words += ["-O2", "-g0", "-w", "-iquote", os.path.dirname(path)] + TRAPS
         if subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
             return None
         return Path(target).read_bytes()
@@ -160,6 +164,8 @@ class Bench:
 
     def judge(self, site):
         """Returns the verdict and the program that found the fault."""
+        if is_equivalent(site, self.equivalent):
+            return "equivalent", ""
         text = Path(site.path).read_text()
         if site.path not in self.sound:
             self.sound[site.path] = self.compile(site.path, text)
@@ -175,12 +181,26 @@ class Bench:
         return "survived", ""
 
 
-def describe(site):
+def change_and_line(site):
     text = Path(site.path).read_text()
     squeeze = lambda part: " ".join(part.split())
-    line = squeeze(text.split("\n")[site.line - 1])
-    change = f"{squeeze(text[site.start:site.end])} -> {squeeze(site.text)}"
+    return f"{squeeze(text[site.start:site.end])} -> {squeeze(site.text)}", squeeze(text.split("\n")[site.line - 1])
+
+
+def describe(site):
+    change, line = change_and_line(site)
     return f"{site.path}:{site.line}: {site.kind}: {change}   in: {line}"
+
+
+def equivalents():
+    """The rows `source|>change|>words of the line|>why`."""
+    rows = Path("tests/coverage/equivalent.txt").read_text().splitlines()
+    return [row.split("|>") for row in rows if row and not row.startswith("#")]
+
+
+def is_equivalent(site, rows):
+    change, line = change_and_line(site)
+    return any(site.path == f"src/{source}" and change == at and words in line for source, at, words, _ in rows)
 
 
 def processor_seconds():
@@ -213,7 +233,7 @@ def main():
     for site in sorted(survivors):
         print(describe(site))
     print(f"{tried} mutants: {verdicts['killed']} killed ({100 * verdicts['killed'] / max(tried, 1):.1f} %), "
-          f"{verdicts['survived']} survived; besides {verdicts['same']} of the same code, "
+          f"{verdicts['survived']} survived; besides {verdicts['equivalent']} equivalent, {verdicts['same']} of the same code, "
           f"{verdicts['not compiled']} not compiled; {(processor_seconds() - start) / max(int(count), 1):.1f} s of the processor each")
 
 
