@@ -186,6 +186,25 @@ TEST(test_hardly_surfaces)
     assert_int_equal(0, found(&rest, &target, &tiny, 0, NULL, at));
 }
 
+/* Nothing is written beyond the memory, which ends with the last of the target's 128 vertices. */
+TEST(test_keeps_to_its_memory)
+{
+    static const float centre[3] = {0, 0, 0};
+    const smr_mesh ball = rig_ball(20.0f, 6, 21, centre);
+    const smr_surface *s = rig_surface(&ball);
+    uint32_t is_bent;
+    size_t bytes;
+    smr_job job;
+    assert_int_equal(SMR_OK, smr_articulated_bytes(s, s, &bytes));
+    unsigned char *const memory = rig_alloc(bytes + SMR_ALIGN);
+    float *const xyz = rig_alloc(12u * (size_t)ball.n_vertices);
+    memset(memory, 0x55, bytes + SMR_ALIGN);
+    assert_int_equal(SMR_OK, smr_articulated_begin(s, s, &here, NULL, memory, bytes, xyz, &is_bent, &job));
+    assert_int_equal(SMR_OK, smr_job_step(&job, UINT32_MAX, NULL, 0));
+    for (size_t i = bytes; i < bytes + SMR_ALIGN; i++)
+        assert_int_equal(0x55, memory[i]);
+}
+
 TEST(test_articulated_refusals)
 {
     const smr_mesh rest = limb();

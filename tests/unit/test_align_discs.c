@@ -128,3 +128,24 @@ static void run(uint32_t seed, uint32_t n)
 
 TEST(more_samples_than_discs) { run(1, N); }
 TEST(fewer_samples) { run(2, 37); }
+
+/* Each rotation about a joint leaves the joint where the given pose has it, from the first part of its comparison on;
+ * the middle one is the given pose. */
+TEST(turns_about_a_joint)
+{
+    static const smr_aligner a;
+    static const smr_coarse c = {.limit = 1.0f};
+    static const smr_coarse_search search = {.scale = 1.0f,
+                                             .n_shifts = 1,
+                                             .jointed = 1,
+                                             .given = {{{0, -1, 0, 5}, {1, 0, 0, -7}, {0, 0, 1, 3}}},
+                                             .joint = {30, -20, 10}};
+    static smr_coarse_place to;
+    const uint32_t middle = SMR_JOINT_STEPS * SMR_JOINT_STEPS * SMR_JOINT_STEPS / 2u;
+    for (uint32_t number = 0; number <= middle; number++) {
+        smr_align_try(&a, &c, &search, number, 0, &to);
+        const smr_vec at = smr_pose_apply(&to.pose, search.joint), had = smr_pose_apply(&search.given, search.joint);
+        assert_true(smr_length(smr_sub(at, had)) < 1.0e-3f);
+        assert_int_equal(number == middle, memcmp(&to.pose, &search.given, sizeof to.pose) == 0);
+    }
+}

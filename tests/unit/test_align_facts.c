@@ -158,6 +158,19 @@ TEST(given_pose)
     assert_true(apart(&m, &pose, &p) < 2.0);
 }
 
+/* The scale of a given pose that is kept is reported, not that of the pose found. */
+TEST(scale_of_a_given_pose)
+{
+    const smr_pose p = {{{1.002f, 0, 0, 0}, {0, 1.002f, 0, 0}, {0, 0, 1.002f, 0}}};
+    smr_align_config c = smr_align_config_default();
+    const unit_mesh m = unit_bone(0), other = unit_bone(1);
+    smr_pose pose;
+    c.given = &p;
+    const smr_align_report report = align(&m, &other, &c, &pose);
+    assert_int_equal(1, report.given);
+    assert_float_equal(1.002f, report.scale, 1.0e-6f);
+}
+
 /* Each end of the bone, and the bone without it, as the target and as the model; with a scale it stays about 1. */
 TEST(parts)
 {

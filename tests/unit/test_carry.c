@@ -185,6 +185,24 @@ TEST(any_order_gives_the_same_bits)
     assert_int_equal(smr_carry_map(carry, now.xyz, 0, points, POINTS, c, NULL), SMR_E_STATE);
 }
 
+/* A solution changes the right-hand side of a site's vertices, without the first, and nothing behind it, however many
+ * vertices there are. */
+TEST(solves_within_a_site)
+{
+    static smr_carry_site s;
+    for (s.n = 1; s.n <= SMR_CARRY_NEAR; s.n++) {
+        float b[SMR_CARRY_NEAR + 1u];
+        s.lower[0] = 7.0f;
+        for (uint32_t i = 0; i <= SMR_CARRY_NEAR; i++)
+            b[i] = 3.0f;
+        for (uint32_t i = 0; i < SMR_CARRY_NEAR; i++)
+            s.inverse[i] = 2.0f;
+        smr_carry_solve(&s, b);
+        for (uint32_t i = 0; i <= SMR_CARRY_NEAR; i++)
+            assert_true(b[i] == (i > 0u && i < s.n ? 6.0f : 3.0f));
+    }
+}
+
 /* Few vertices, all in one place, on a line, far away: finite, and where they should be. */
 TEST(degenerate_shapes)
 {

@@ -341,3 +341,21 @@ TEST(test_passes)
             assert_int_equal(i >= first[over] && i < first[over] + n[over], seen[i]);
     }
 }
+
+/* Right angles at rest, as of a box, may bend a little further than edges bent by less, and edges bent by more the
+ * more so. */
+TEST(test_limits_of_bent_edges)
+{
+    static const float rest[] = {0.5f, 0.025f, 0.0f, -0.5125f}, want[] = {0.02f, 0.0125f, -0.25f, -0.7125f};
+    for (uint32_t k = 0; k < 4u; k++) {
+        const smr_mesh mesh = bent_sheet(rest[k]);
+        const smr *s = start(&mesh, 1);
+        uint32_t n_bent = 0;
+        for (uint32_t i = 0; i < s->shared.n_dihedrals; i++) {
+            const float limit = smr_edge_limit(smr_edge_at(&s->folds, i));
+            n_bent += k > 0u && fabsf(limit - want[k]) < 0.004f;
+            assert_true(fabsf(limit - want[k]) < 0.006f || fabsf(limit - 0.02f) < 0.006f);
+        }
+        assert_int_equal(k > 0u ? SIDE - 1u : 0u, n_bent);
+    }
+}

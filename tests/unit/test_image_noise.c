@@ -53,6 +53,20 @@ TEST(test_noise_level)
     assert_true(smr_grid_noise(&grid) == 0.0f);
 }
 
+/* The median of as many zeros as others is one of the others: noise in half of the bright places is seen. */
+TEST(test_noise_in_half_of_the_places)
+{
+    float *voxels;
+    smr_grid grid;
+    const smr_volume v = rig_cube(18, 1.0f, &voxels); /* places: slices 1..16 of x and y from 0..15 on, three each */
+    for (uint32_t i = 0; i < 18u * 18u * 18u; i++) {
+        const uint32_t z = i / (18u * 18u), even = (i + i / 18u) % 2u;
+        voxels[i] = z > 8u ? 0.0f : z > 4u ? 1000.0f : even ? 1001.0f : 999.0f;
+    }
+    assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
+    assert_float_equal(16.0f / 4.05f, smr_grid_noise(&grid), 0.05f);
+}
+
 /* Means over samples are nearer to the slope than the line's own samples, the more the higher the noise, and on few
  * lines less so. */
 TEST(test_thick_line)
@@ -85,6 +99,33 @@ TEST(test_thick_line)
         off[j] = sqrt(off[j] / n);
     if (!(n > 1000u && off[1] < 0.6 * off[0] && off[2] < 0.85 * off[1] && off[3] > 1.1 * off[2]))
         fail_msg("%u samples, off by %g %g %g %g", n, off[0], off[1], off[2], off[3]);
+}
+
+/* An image whose axes are stored in another order has the same samples: which axis is the longest voxels' is found. */
+TEST(test_thick_line_in_any_order_of_axes)
+{
+    static const uint32_t stride[3] = {1, SIDE, SIDE * SIDE};
+    const smr_volume v = slope(0, 60.0f);
+    for (uint32_t turn = 1; turn < 3u; turn++) {
+        float *voxels, value[2][64];
+        uint8_t inside[2][64];
+        smr_grid grid[2];
+        smr_volume w = rig_cube(SIDE, 1.0f, &voxels);
+        for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++)
+            voxels[i % SIDE * stride[turn] + i / SIDE % SIDE * stride[(turn + 1u) % 3u] +
+                   i / SIDE / SIDE * stride[(turn + 2u) % 3u]] = ((const float *)v.voxels)[i];
+        memcpy(w.origin, v.origin, sizeof w.origin);
+        for (uint32_t i = 0; i < 9u; i++) {
+            w.spacing[(i + turn) % 3u] = v.spacing[i % 3u];
+            w.direction[i / 3u * 3u + (i + turn) % 3u] = v.direction[i];
+        }
+        assert_true(smr_grid_open(&v, &grid[0]) == SMR_OK && smr_grid_open(&w, &grid[1]) == SMR_OK);
+        for (uint32_t k = 0; k < 2u; k++)
+            assert_int_equal(64, smr_grid_thick_line(&grid[k], 4.0f, 0, smr_v(-9, -5, -7), smr_v(0.2f, 0.1f, 0.3f), 64,
+                                                     value[k], inside[k]));
+        for (uint32_t i = 0; i < 64u; i++)
+            assert_float_equal(value[0][i], value[1][i], 0.01f);
+    }
 }
 
 /* Noise of a deviation of 0.29 times the contrast; a restored registration measures it again. */

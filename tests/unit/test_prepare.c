@@ -257,6 +257,48 @@ TEST(progress_and_abort)
     }
 }
 
+/* Breadth first, each radius reports every 1,024 vertices, and fewer vertices report nothing. */
+TEST(progress_breadth_first)
+{
+    for (uint32_t side = 31; side < 50u; side += side < 32u ? 1u : 14u) {
+        bench b = set_up();
+        watch all = {0};
+        unit_mesh_free(&b.mesh);
+        b.mesh = unit_grid(side, side, 3.0f);
+        b.one.mesh = unit_view(&b.mesh);
+        b.config.order = SMR_ORDER_BREADTH_FIRST;
+        b.config.priority = 0;
+        b.config.progress = on_progress;
+        b.config.progress_ctx = &all;
+        rig_free(b.scratch);
+        assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, &b.scratch_bytes), SMR_OK);
+        b.scratch = rig_rough(b.scratch_bytes);
+        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &b.image_bytes),
+                         SMR_OK);
+        assert_int_equal(b.config.n_radii * (b.mesh.nv / 1024u), all.calls);
+        tear_down(&b);
+    }
+}
+
+/* With an image the finest of several radii keeps structures apart; a single radius does not, however small it is. */
+TEST(radii_that_keep_apart_with_an_image)
+{
+    float *voxels;
+    const smr_volume image = rig_cube(20, 2, &voxels);
+    for (uint32_t n = 1; n < 3u; n++) {
+        bench b = set_up_with(&image);
+        smr_model_info info;
+        b.config.n_radii = n;
+        b.config.radius_mm[0] = 0.75f;
+        b.config.radius_mm[1] = 0.5f;
+        unit_image made = unit_prepare(&b.one, 1, &b.config);
+        assert_int_equal(SMR_OK, smr_model_get_info(made.model, &info));
+        assert_true(info.separate[0] == 0u && info.separate[n - 1u] == n - 1u);
+        unit_image_free(&made);
+        tear_down(&b);
+    }
+}
+
 TEST(bad_coordinates_and_indexes)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 100001.0f};

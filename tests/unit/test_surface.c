@@ -285,6 +285,23 @@ TEST(contact_of_boxes)
     }
 }
 
+/* A ball of four leaves beside a body of one takes a unit for each leaf, for four places of each triangle that a leaf
+ * has room for, for three vertices, and for five steps between: none for a leaf behind the last. */
+TEST(contact_in_units)
+{
+    static const float corner[4][3] = {{10.05f, 0, 0}, {20, 9, 0}, {20, -9, 9}, {20, -9, -9}};
+    static const uint32_t face[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    const unit_mesh ball = unit_sphere(1, 10.0f, 0.0f);
+    const smr_mesh a = unit_view(&ball), b = {corner[0], face[0], 4, 4};
+    const uint32_t units = 5u + 4u * 8u * 5u + (6u + 2u) + 5u;
+    smr_contact_report r;
+    smr_job job;
+    assert_true(a.n_vertices == 18u && a.n_triangles == 32u);
+    assert_int_equal(SMR_OK, smr_surface_contact_begin(rig_surface(&a), rig_surface(&b), 0.1f, &r, &job));
+    assert_int_equal(SMR_PARTIAL, smr_job_step(&job, units - 1u, NULL, 0));
+    assert_int_equal(SMR_OK, smr_job_step(&job, 1, NULL, 0));
+}
+
 /* A triangle within a box, from a place that is said to be far from the box, and from one of unknown distance. */
 TEST(sweep_from_an_unknown_place)
 {
@@ -299,4 +316,17 @@ TEST(sweep_from_an_unknown_place)
         const float third = smr_sweep_triangle(&s, 0, &last, &found).third;
         assert_true(k ? fabsf(third - 2.0f / 3.0f) < 1.0e-4f && fabsf(last.side + 49.0f) < 1.0e-3f : third == 0.0f);
     }
+}
+
+/* A needle from the middle of one of two boxes is as deep as its tip. Its corner beyond the boxes, in front of one
+ * between them, tells nothing about that one. */
+TEST(contact_of_a_needle)
+{
+    static const float two[2][6] = {{0, 0, 0, 100, 100, 100}, {400, 400, 400, 500, 500, 500}};
+    static const float corner[4][3] = {{50, 50, 50}, {250, -10, 50}, {250, 10, 50}, {250, 0, 60}};
+    static const uint32_t face[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    const smr_mesh needle = {corner[0], face[0], 4, 4}, both = boxes(two, 2);
+    smr_contact_report r;
+    assert_int_equal(SMR_OK, smr_surface_contact(rig_surface(&needle), rig_surface(&both), 0.1f, &r));
+    assert_true(fabsf(r.a_in_b_mm - 50.0f) < 1.0e-3f && r.deepest_mm == r.a_in_b_mm);
 }

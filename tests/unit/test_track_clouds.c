@@ -151,3 +151,14 @@ TEST(test_changes_are_seen_while_waiting)
     assert_int_equal(SMR_OK, smr_set_log(copy, log, sizeof log));
     assert_int_equal(SMR_E_STATE, smr_tick(copy, 0, NULL));
 }
+
+/* Adding no point is no change: the cloud need not be set again. */
+TEST(test_nothing_added)
+{
+    const scene e = make(SMR_TRACK_OFF);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz, NULL, NULL, AT_A_TIME));
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, e.cloud));
+    assert_int_equal(SMR_OK, smr_points_add(e.cloud, NULL, NULL, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
