@@ -88,6 +88,7 @@ TEST(test_certainties)
     const smr_surface *surface[2] = {rig_surface(&target), rig_surface(&ball)};
     smr_config config = smr_config_default();
     smr *s[2];
+    uint32_t n_known = 0, n_known_of_targets = 0;
     config.basic.n_workers = 2;
     config.basic.n_target_vertices = target.n_vertices + ball.n_vertices;
     for (uint32_t k = 0; k < 2u; k++) {
@@ -103,5 +104,10 @@ TEST(test_certainties)
         (void)rig_run(s[1], 1);
         if (smr_state_hash(s[0]) != smr_state_hash(s[1]))
             fail_msg("other bits in iteration %u", tick);
+        for (uint32_t v = 0; v < s[0]->shared.n; v++)
+            n_known += s[0]->forces.surface.other[v] > 0u;
+        for (uint32_t k = 0; k < config.basic.n_target_vertices; k++)
+            n_known_of_targets += s[0]->forces.surface.target_other[k] > 0.0f;
     }
+    assert_true(n_known > 1000u && n_known_of_targets > 1000u); /* there was something to remember */
 }

@@ -47,6 +47,7 @@ TEST(test_refused)
     smr_energy energy;
     size_t bytes;
     const float wrong[] = {0.0f, -1.0f, 0.9e-6f, 1.1e6f, NAN, -INFINITY};
+    const float right[] = {1.0e-6f, 1.0e6f, INFINITY, 1.0f}; /* g: least and most, pinned */
     const uint64_t hash = smr_state_hash(s);
     assert_int_equal(SMR_E_NULL, smr_set_motion(NULL, 0, e.mass, NULL));
     assert_int_equal(SMR_E_NULL, smr_set_motion(s, 0, NULL, NULL));
@@ -59,7 +60,10 @@ TEST(test_refused)
         e.mass[e.n - 1u] = wrong[i];
         assert_int_equal(SMR_E_INPUT, smr_set_motion(s, 0, e.mass, NULL));
     }
-    e.mass[e.n - 1u] = 1.0f;
+    for (uint32_t i = 0; i < sizeof right / sizeof right[0]; i++) {
+        e.mass[e.n - 1u] = right[i];
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
+    }
     e.speed[4] = INFINITY;
     assert_int_equal(SMR_E_INPUT, smr_set_motion(s, 0, NULL, e.speed));
     e.speed[4] = 0.0f;

@@ -208,6 +208,19 @@ TEST(test_unfolds)
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
 
+/* Sharp folds, which a single pass would only open a little, are opened within an iteration. */
+TEST(test_unfolds_in_passes)
+{
+    static const float next[] = {-0.2f, -0.4f, -0.6f};
+    for (uint32_t i = 0; i < 3u; i++) {
+        uint32_t before, after;
+        float moved;
+        sharpen(0.0f, next[i], 1, &before, &after, &moved);
+        assert_int_equal(SIDE - 1u, before);
+        assert_true(after == 0u && moved > 0.0f);
+    }
+}
+
 /* A fold that a step of folds has made is opened: the update of the triangles before does not show it. The step has
  * touched the runs of its triangles, or has held the step, or folds were found there before. */
 TEST(test_opens_what_moved)
@@ -236,6 +249,28 @@ TEST(test_opens_what_moved)
             smr_fold_open_pass(f, task, 0);
         assert_true(f->open.n_passes > 0u);
     }
+}
+
+/* On a mesh of so many triangles that runs have several, touched runs lead to every edge with a marked corner. */
+TEST(test_touched_runs_of_a_large_mesh)
+{
+    const smr_mesh mesh = rig_ball(30, 40, 60, (const float[3]){0, 0, 0});
+    uint32_t n_found = 0;
+    smr *s = start(&mesh, 1);
+    smr_folds *f = &s->folds;
+    smr_runs_clear(f);
+    assert_true(f->run_bits > 0u);
+    for (uint32_t i = 0, seed = 5; i < 10u; i++)
+        f->marked[rig_random(&seed, s->shared.n)] = 1;
+    for (uint32_t k = 0; k < s->shared.n_triangles; k++)
+        if (smr_any_marked(f, k))
+            smr_run_touch(f, k);
+    for (uint32_t i = 0, n = s->shared.n_dihedrals; i < n; i++, n_found++) {
+        const uint32_t found = smr_next_marked(f, i, n, 0);
+        assert_int_equal(smr_next_marked(f, i, n, 1), found);
+        i = found;
+    }
+    assert_true(n_found > 90u);
 }
 
 /* Edges that are open at rest and folded, where none is to be limited: runs, unknown before, are cleared first. */

@@ -260,6 +260,35 @@ static smr_volume upper_half(smr_volume image)
     return image;
 }
 
+/* The search for an edge reads two samples beyond its distance to both sides: only where one of these lies outside the
+ * image it is undecided whether there is a goal. */
+TEST(test_search_beyond_the_image)
+{
+    enum { REACH = 22 };
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    const smr_config c = smr_config_default_image();
+    float *voxels;
+    smr_volume image = rig_cube(RIG_BALL_SIDE, RIG_BALL_SPACING, &voxels);
+    smr *s = rig_init(rig_ball_model(&reference), &c, NULL);
+    const float step = smr_le_float(s->shared.model->profile_step), deep = RIG_BALL_SPACING * (RIG_BALL_SIDE - 1u);
+    smr_vec displacement;
+    uint32_t top = 0;
+    for (uint32_t k = 0; k < RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE; k++)
+        voxels[k] = 500.0f + 1.0e-6f * (float)k; /* no edge */
+    while (smr_get3(s->shape.x, top).z < RIG_BALL_MM - 1.0e-3f)
+        top++;
+    for (uint32_t i = 0; i < 4u; i++) {
+        const float way = (REACH + (i % 2u ? 2.5f : 1.5f)) * step;
+        image.origin[2] = i < 2u ? RIG_BALL_MM - way : RIG_BALL_MM + way - deep;
+        assert_int_equal(SMR_OK, smr_set_volume(s, &image));
+        s->schedule.profile_mm = 0.0f;
+        s->schedule.gradient_mm = REACH * step;
+        smr_guard_close(s);
+        const int found = s->forces.image.calls->goal(&s->forces.image, top, &displacement);
+        assert_int_equal(i % 2u ? SMR_NO_GOAL : SMR_UNDECIDED, found);
+    }
+}
+
 /* Half of a ball lies in the target image, or in the reference image: the other half follows, is no failure of the
  * image, and the verdict tells how much is visible. */
 TEST(test_half_in_image)

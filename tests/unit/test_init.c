@@ -58,3 +58,19 @@ TEST(test_copies)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 1000, NULL)); /* no clock: the budget means nothing */
 }
+
+/* With a model that a fault changed after it was opened, so that a structure's triangles seem to end before them,
+ * smr_init() ends all the same. */
+TEST(test_faulty_owner)
+{
+    const float off[3] = {50, 0, 0};
+    const smr_mesh mesh[2] = {rig_ball(20, 6, 9, none), rig_ball(20, 6, 9, off)};
+    const smr_model *model = rig_model(mesh, 2, NULL);
+    const smr_config config = smr_config_default();
+    const smr *s = rig_init(model, &config, NULL);
+    uint16_t *const owner = (uint16_t *)(uintptr_t)smr_at(model, model->at_owner);
+    const uint32_t v = smr_model_triangle(&s->shared, mesh[0].n_triangles)[0];
+    assert_int_equal(1, smr_model_owner(model, v));
+    owner[v] = 0;
+    assert_non_null(rig_init(model, &config, NULL));
+}

@@ -99,6 +99,42 @@ TEST(test_replaced)
     }
 }
 
+/* On a model without triangles a point belongs to the vertex nearest to it at rest, and goes where that vertex goes. */
+TEST(test_goes_with_the_nearest_vertex)
+{
+    enum { NEAREST = 30 };
+    const smr_config config = config_of(1);
+    (void)start(0, NULL); /* the balls */
+    const smr_mesh points = {ball[0].xyz, NULL, ball[0].n_vertices, 0};
+    smr *s = rig_init(rig_model(&points, 1, NULL), &config, NULL);
+    smr_landmark mark = {0, SMR_NONE, {0, 0, 0}, {0, 0, 0}, 1.0f, 0};
+    float xyz[3], *const x = (float *)(uintptr_t)points.xyz;
+    memcpy(mark.rest, x + 3u * NEAREST, sizeof mark.rest);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
+    x[3u * NEAREST] += 5.0f;
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, x));
+    assert_int_equal(SMR_OK, smr_get_landmarks(s, xyz));
+    assert_true(rig_far(xyz, x + 3u * NEAREST, 1) < 1.0e-4f);
+}
+
+/* Nothing is left of the landmark that another one replaces. */
+TEST(test_replaced_is_forgotten)
+{
+    static unsigned char save[2][1 << 20];
+    size_t bytes[2];
+    for (uint32_t i = 0; i < 2u; i++) {
+        const smr_landmark first = {1, i ? SMR_NONE : 7u, {60, 0, 19}, {60, 0, 30}, 1.0f, 0};
+        const smr_landmark second = {0, 5, {0, 0, 0}, {0, 3, 25}, 1.0f, 1};
+        smr *s = start(1, NULL);
+        assert_int_equal(SMR_OK, smr_set_landmarks(s, &first, 1));
+        assert_int_equal(SMR_OK, smr_set_landmarks(s, &second, 1));
+        assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes[i]));
+        assert_int_equal(SMR_OK, smr_save(s, save[i], sizeof save[i]));
+    }
+    assert_int_equal(bytes[0], bytes[1]);
+    assert_memory_equal(save[0], save[1], bytes[0]);
+}
+
 TEST(test_refused)
 {
     smr *s = start(N, NULL);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "property/rig_ball_image.h"
+#include "property/rig_cloud.h"
 #include "registration/schedule_radius.h"
 
 static const float none[3] = {0, 0, 0};
@@ -91,6 +92,54 @@ TEST(test_first_radius_with_an_image)
         }
         assert_int_equal(1, report.done);
     }
+}
+
+/* Onto a cloud the first radius has three times as many iterations; it is repeated once where the cloud grows. */
+TEST(test_first_radius_onto_a_cloud)
+{
+    const smr_mesh goal = rig_ball(36, 9, 14, none);
+    for (uint32_t grows = 0; grows < 2u; grows++) {
+        smr_config c = steady();
+        smr_points *cloud = rig_cloud(goal.n_vertices);
+        uint32_t at[3] = {0, 0, 0};
+        c.basic.iterations = 4;
+        c.basic.iterations_last = 7;
+        c.basic.n_target_vertices = goal.n_vertices;
+        smr *s = start(&c, 0, 0);
+        for (uint32_t first = 0; !s->schedule.done && at[2] < 100u; at[s->report.details.radius]++) {
+            const uint32_t n = s->schedule.iteration == 0u ? 60u : grows && first == 60u ? 30u : 0u;
+            assert_int_equal(SMR_OK, smr_points_add(cloud, goal.xyz + 3u * first, NULL, NULL, n));
+            assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+            first += n;
+        }
+        assert_true(at[0] == (grows ? 24u : 12u) && at[1] == 4u && at[2] == 7u);
+    }
+}
+
+/* At the first radius as few active vertices suffice for a cloud as for a mesh, but not once the cloud grows. */
+TEST(test_few_suffice_for_a_cloud)
+{
+    const smr_mesh mesh = rig_ball(30, 50, 60, none), goal = rig_ball(36, 9, 14, (const float[3]){5, -4, 3});
+    const smr_prepare_config radii = rig_radii(2, 60, 15, 0);
+    const smr_model *model = rig_model(&mesh, 1, &radii);
+    smr_config c = smr_config_default();
+    uint32_t few = 0;
+    c.basic.n_target_vertices = goal.n_vertices;
+    for (uint32_t with_cloud = 0; with_cloud < 2u; with_cloud++) {
+        smr *s = rig_init(model, &c, NULL);
+        smr_points *cloud = rig_cloud(goal.n_vertices);
+        smr_tick_report report;
+        for (uint32_t i = 0; i < 4u; i++) {
+            assert_int_equal(SMR_OK, smr_points_add(cloud, goal.xyz, NULL, NULL, i == 0u || i == 3u ? 50u : 0u));
+            assert_int_equal(SMR_OK,
+                             with_cloud ? smr_set_points(s, 0, cloud) : smr_set_surface(s, 0, rig_surface(&goal)));
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+            few = few == 0u ? report.details.n_wanted : few;
+            assert_int_equal(with_cloud && i == 3u ? mesh.n_vertices : few, report.details.n_wanted);
+        }
+    }
+    assert_true(few < mesh.n_vertices);
 }
 
 TEST(test_settles)

@@ -66,6 +66,35 @@ TEST(test_starts_over)
     assert_true(hash == smr_state_hash(s));
 }
 
+/* A copy on whole 64ths of a millimetre, shifted, which floats hold exactly up to 131 m. */
+static smr_mesh on_a_grid(const smr_mesh *mesh, const float shift[3])
+{
+    float *xyz = rig_alloc(3u * (size_t)mesh->n_vertices * sizeof *xyz);
+    for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++)
+        xyz[i] = roundf(64.0f * mesh->xyz[i]) / 64.0f + shift[i % 3u];
+    return (smr_mesh){xyz, mesh->triangles, mesh->n_vertices, mesh->n_triangles};
+}
+
+/* Positions that are given far from the origin run like near ones: floats there round nothing but what is read. */
+TEST(test_positions_far_from_the_origin)
+{
+    static const float far[3] = {65536, -70000, 81920}, half_bit = 1.0f / 256.0f, off[3] = {3, 2, 1};
+    const smr_mesh mesh = rig_ball(20, 6, 8, none), goal = rig_ball(24, 7, 10, off);
+    const float *x[2];
+    for (uint32_t i = 0; i < 2u; i++) {
+        const smr_mesh from = on_a_grid(&mesh, i ? far : none), to = on_a_grid(&goal, i ? far : none);
+        const smr_model *model;
+        smr *s = start(&mesh, &model);
+        assert_int_equal(SMR_OK, smr_set_positions(s, 0, from.xyz));
+        assert_memory_equal(from.xyz, rig_positions(s, model), 3u * from.n_vertices * sizeof(float));
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&to)));
+        assert_true(rig_run(s, 1000).done);
+        x[i] = rig_positions(s, model);
+    }
+    for (uint32_t i = 0; i < 3u * mesh.n_vertices; i++)
+        assert_true(fabsf(x[1][i] - far[i % 3u] - x[0][i]) <= half_bit);
+}
+
 /* Nor does the scale of residuals stay that tracking has. */
 TEST(test_starts_over_from_tracking)
 {

@@ -22,22 +22,23 @@ static void run_all(void *stage, uint32_t n, smr_task run)
         run(stage, t, 0);
 }
 
-/* The same lists with 32-bit numbers, as models of more than 65,535 vertices have them. */
+/* The same lists with 32-bit numbers, as models of more than 65,535 vertices have them. Behind the end of their indexes
+ * twice as many follow that nothing may read. */
 static smr_lists widened(const smr_lists *l, uint32_t n)
 {
     const smr_entry16 *e = l->entry;
     const uint16_t *index = l->index;
     const uint32_t n_indexes = smr_le32(l->block[l->n_blocks].first_index);
     smr_entry32 *entry = rig_alloc(n * sizeof *entry);
-    uint32_t *wide = rig_alloc(n_indexes * sizeof *wide), *count = rig_alloc(n * sizeof *count);
+    uint32_t *wide = rig_alloc(3u * n_indexes * sizeof *wide), *count = rig_alloc(n * sizeof *count);
     smr_lists out = *l;
     for (uint32_t i = 0; i < n; i++) {
         entry[i] = (smr_entry32){smr_le32(smr_le16(e[i].vertex)), smr_le32(smr_le16(e[i].parent)),
                                  smr_le32(smr_le16(e[i].n_plus)), smr_le32(smr_le16(e[i].n_minus))};
         count[i] = smr_le32(smr_list_count(l, i));
     }
-    for (uint32_t i = 0; i < n_indexes; i++)
-        wide[i] = smr_le32(smr_le16(index[i]));
+    for (uint32_t i = 0; i < 3u * n_indexes; i++)
+        wide[i] = smr_le32(smr_le16(index[i % n_indexes]));
     out.entry = entry;
     out.count = count;
     out.index = wide;
@@ -76,4 +77,29 @@ TEST(test_both_widths)
         }
         assert_memory_equal(sum, s->sums.sum, n_words * sizeof *sum);
     }
+}
+
+/* A list whose length a fault has changed ends with all lists, summed at once as well as a part at a time. */
+TEST(test_list_too_long)
+{
+    const smr_model *model;
+    smr *s = start(&model);
+    const size_t n_words = SMR_WORDS * (size_t)s->shared.n;
+    uint32_t seed = 9, block = 0, *sum = rig_alloc(n_words * sizeof *sum);
+    s->schedule.lists = widened(&s->schedule.lists, s->shared.n);
+    s->sums.words = 12;
+    s->schedule.n_active = s->shared.n;
+    for (size_t i = 0; i < n_words; i++)
+        s->overlay.record[i] = rig_random(&seed, 1u << 28);
+    smr_entry32 *const entry = (smr_entry32 *)(uintptr_t)s->schedule.lists.entry;
+    assert_true(entry[1].n_plus > 0u && s->schedule.lists.n_indexes > 500u);
+    entry[1].n_minus = UINT32_MAX;
+    memset(s->sums.sum, 0x77, n_words * sizeof *s->sums.sum);
+    run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
+    memcpy(sum, s->sums.sum, n_words * sizeof *sum);
+    memset(s->sums.sum, 0x77, n_words * sizeof *s->sums.sum);
+    while (smr_sums_some(&s->sums, &block))
+        ;
+    for (size_t v = 0; v < s->shared.n; v++)
+        assert_memory_equal(sum + SMR_WORDS * v, s->sums.sum + SMR_WORDS * v, s->sums.words * sizeof *sum);
 }

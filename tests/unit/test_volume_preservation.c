@@ -158,6 +158,23 @@ TEST(test_against_a_target)
     assert_float_equal(ratio[2], 1.0f, 1e-3f);
 }
 
+/* A ratio that is set while tracking rests runs another iteration, and is reached where it is set before each. */
+TEST(test_wakes_tracking)
+{
+    const smr_mesh ball = rig_ball(30, 12, 16, none);
+    smr_config c = config_of(1.0f);
+    c.track.mode = SMR_TRACK_REPORT;
+    smr *s = start(&ball, &c, NULL);
+    smr_tick_report report = rig_run(s, 300);
+    assert_int_equal(1, report.details.settled);
+    for (uint32_t i = 0, before = report.iteration; i < 10u; i++, before++) {
+        assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 0, 1.2f));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        assert_int_equal(before + 1u, report.iteration);
+    }
+    assert_float_equal(volume_of(s).ratio, 1.2f, 1e-3f);
+}
+
 /* On the way to a ratio saved and restored. */
 TEST(test_saved)
 {
