@@ -231,7 +231,9 @@ void smr_tracking_next(smr *s)
     s->schedule.found = share_found(s);
     const float typical = smr_residual_typical(&s->forces.surface), stiffness = s->shared.config.forces.stiffness;
     const float noise_mm = s->shared.config.track.settle_um > 0.0f ? SMR_TRACK_STILL * stiffness * typical : 0.0f;
+    const float rest_mm = smr_max(s->shared.config.track.settle_um * 1.0e-3f, noise_mm);
+    const int grows = smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes);
     s->schedule.noise_mm = typical;
-    s->schedule.settled = s->evolve.moved_mm < smr_max(s->shared.config.track.settle_um * 1.0e-3f, noise_mm) ||
-                          s->schedule.radius_iteration >= s->shared.config.track.iterations;
+    s->schedule.settled =
+        (s->evolve.moved_mm < rest_mm && !grows) || s->schedule.radius_iteration >= s->shared.config.track.iterations;
 }

@@ -27,9 +27,8 @@
 #define SMR_LOOK 16u         /* fewest vertices between two checks of the reserve */
 #define SMR_CLOSING 3u       /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
 
-void smr_budget_start(smr *s)
+void smr_budget_start(smr *s) /* all else is 0 */
 {
-    memset(&s->budget, 0, sizeof s->budget);
     s->budget.margin = SMR_MARGIN_MIN;
     s->budget.pace = SMR_UNKNOWN;
     for (uint32_t i = 0; i < SMR_STEPS_MAX; i++)
