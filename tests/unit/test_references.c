@@ -210,7 +210,7 @@ TEST(test_not_used)
     assert_int_equal(SMR_OK, smr_init(all, &c, NULL, arena, more, &s[2]));
 }
 
-/* While a target is tracked, the weights that registration found stay. */
+/* While a target is tracked, the weights that registration found stay, and so does what the target does not show. */
 TEST(test_tracked)
 {
     static const float truth[2][SHAPES] = {{0, 1, 0, 0}, {0, 0, 1, 0}};
@@ -223,6 +223,10 @@ TEST(test_tracked)
     (void)rig_run(s, 400);
     assert_true(s->schedule.tracking);
     weights_of(s, weight[0]);
+    const float *const before = rig_positions(s, s->shared.model);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&part)));
+    (void)rig_run(s, 20);
+    assert_true(rig_far(before, rig_positions(s, s->shared.model), bone.n_vertices) < 0.5f);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&other)));
     (void)rig_run(s, 20);
     weights_of(s, weight[1]);
