@@ -75,3 +75,26 @@ TEST(which_targets_are_partial)
         }
     }
 }
+
+/* A ball of more vertices than a task counts is seen in part while it lies aside, as whole once it has moved there, and
+ * what was seen at the judgement stays known. */
+TEST(until_it_is_covered)
+{
+    static const float centre[3] = {0, 0, 0}, aside[3] = {20, 0, 0};
+    const smr_mesh ball = rig_ball(30.0f, 30, 40, centre), goal = rig_ball(30.0f, 15, 22, aside);
+    const smr_prepare_config radii = rig_radii(2, RADIUS, RADIUS / 2.0f, 0);
+    smr_config c = smr_config_default();
+    c.basic.n_target_vertices = goal.n_vertices;
+    smr *s = rig_init(rig_model(&ball, 1, &radii), &c, NULL);
+    const smr_target *const target = s->forces.surface.target;
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    for (uint32_t i = 0; i < 200u && (i == 0u || s->forces.surface.partial); i++) {
+        (void)rig_run(s, 1);
+        assert_int_equal(target->n_judged, ball.n_vertices);
+        assert_int_equal(s->forces.surface.partial, target->partial);
+    }
+    const uint32_t shown = target->n_visible;
+    (void)rig_run(s, 1);
+    assert_true(shown > 9u * ball.n_vertices / 10u && shown <= ball.n_vertices);
+    assert_int_equal(target->n_visible, shown);
+}
