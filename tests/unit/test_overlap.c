@@ -1,4 +1,4 @@
-/* test_overlap.c: which targets are taken as whole, and which as partial.
+/* test_overlap.c: which targets are taken as whole, and which as partial; a target that is met exactly.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
@@ -97,4 +97,38 @@ TEST(until_it_is_covered)
     (void)rig_run(s, 1);
     assert_true(shown > 9u * ball.n_vertices / 10u && shown <= ball.n_vertices);
     assert_int_equal(target->n_visible, shown);
+}
+
+/* Two sheets that face away from each other, as one mesh. */
+static smr_mesh plate(void)
+{
+    const smr_mesh one = sheet(100.0f, 0.0f), other = sheet(100.0f, -40.0f);
+    const uint32_t nv = one.n_vertices, nt = one.n_triangles;
+    float *xyz = rig_alloc(6u * nv * sizeof *xyz);
+    uint32_t *t = rig_alloc(6u * nt * sizeof *t);
+    memcpy(xyz, one.xyz, 3u * nv * sizeof *xyz);
+    memcpy(xyz + 3u * nv, other.xyz, 3u * nv * sizeof *xyz);
+    memcpy(t, one.triangles, 3u * nt * sizeof *t);
+    for (uint32_t k = 0; k < 3u * nt; k++)
+        t[3u * nt + k] = nv + one.triangles[k + 2u - 2u * (k % 3u)]; /* turned over */
+    return (smr_mesh){xyz, t, 2u * nv, 2u * nt};
+}
+
+/* Where a model that was shifted lies exactly on its target, with neither noise nor a bend to measure, expected errors
+ * are numbers. */
+TEST(expected_without_noise)
+{
+    float mm[2 * SIDE * SIDE];
+    const smr_mesh mesh = plate(), goal = sheet(100.0f, 0.0f);
+    const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
+    smr_config c = smr_config_default();
+    c.basic.n_target_vertices = goal.n_vertices;
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    (void)rig_run(s, 1);
+    for (uint32_t v = 0; v < mesh.n_vertices; v++)
+        s->shape.start[3u * v + 2u] -= 8.0f; /* as if it had come from there */
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
+    for (uint32_t v = 0; v < mesh.n_vertices; v++)
+        assert_true(mm[v] >= 0.0f && mm[v] < 100.0f);
 }
