@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
+#include "property/rig_parts.h"
 #include "registration/tick/iteration_steps.h"
 
 #define STEP 5.0f    /* mm, of the sheets */
@@ -99,27 +100,14 @@ TEST(until_it_is_covered)
     assert_int_equal(target->n_visible, shown);
 }
 
-/* Two sheets that face away from each other, as one mesh. */
-static smr_mesh plate(void)
-{
-    const smr_mesh one = sheet(100.0f, 0.0f), other = sheet(100.0f, -40.0f);
-    const uint32_t nv = one.n_vertices, nt = one.n_triangles;
-    float *xyz = rig_alloc(6u * nv * sizeof *xyz);
-    uint32_t *t = rig_alloc(6u * nt * sizeof *t);
-    memcpy(xyz, one.xyz, 3u * nv * sizeof *xyz);
-    memcpy(xyz + 3u * nv, other.xyz, 3u * nv * sizeof *xyz);
-    memcpy(t, one.triangles, 3u * nt * sizeof *t);
-    for (uint32_t k = 0; k < 3u * nt; k++)
-        t[3u * nt + k] = nv + one.triangles[k + 2u - 2u * (k % 3u)]; /* turned over */
-    return (smr_mesh){xyz, t, 2u * nv, 2u * nt};
-}
-
 /* Where a model that was shifted lies exactly on its target, with neither noise nor a bend to measure, expected errors
  * are numbers. */
 TEST(expected_without_noise)
 {
     float mm[2 * SIDE * SIDE];
-    const smr_mesh mesh = plate(), goal = sheet(100.0f, 0.0f);
+    static const float over[9] = {1, 0, 0, 0, 1, 0, 0, 0, -1}, below[3] = {0, 0, -40};
+    const smr_mesh goal = sheet(100.0f, 0.0f), two[2] = {goal, rig_moved(&goal, over, below)};
+    const smr_mesh mesh = rig_joined(two, 2);
     const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
     smr_config c = smr_config_default();
     c.basic.n_target_vertices = goal.n_vertices;
