@@ -267,3 +267,22 @@ TEST(test_expected_beside_a_surface)
     const float without = expected_with(0), with = expected_with(N);
     assert_true(without > 0.0f && with > 0.0f && with < 0.8f * without);
 }
+
+/* A landmark draws a model of a single vertex, and is saved and restored. */
+TEST(test_single_vertex)
+{
+    const float at[3] = {3, 4, 5};
+    const smr_mesh point = {at, NULL, 1, 0};
+    const smr_landmark mark = {0, 0, {0, 0, 0}, {5, 4, 5}, 1.0f, 0};
+    const smr_config c = config_of(1);
+    model = rig_model(&point, 1, NULL);
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
+    (void)rig_run(s, 3);
+    smr *again = rig_restored(s, model, &c);
+    assert_non_null(again);
+    (void)rig_run(s, 30);
+    (void)rig_run(again, 30);
+    assert_true(smr_state_hash(s) == smr_state_hash(again));
+    assert_true(rig_far(rig_positions(s, model), mark.place, 1) < 0.01f);
+}
