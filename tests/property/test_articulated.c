@@ -173,6 +173,18 @@ TEST(test_parts)
     rig_free_all();
 }
 
+/* A limb of so few vertices that all of it acts on each of its parts. */
+TEST(test_few_vertices)
+{
+    static const float stretch[9] = {0.9f, 0, 0, 0, 1.4f, 0, 0, 0, 10}, centre[3] = {0, 0, 0};
+    const smr_mesh ball = rig_ball(20.0f, 15, 4, centre), rest = rig_moved(&ball, stretch, centre), fine = limb();
+    const smr_mesh target = bent(&fine, 20), truth = bent(&rest, 20);
+    float *at = rig_alloc(12u * (size_t)rest.n_vertices);
+    assert_true(found(&rest, &target, &here, 0, NULL, at) > 0u);
+    assert_true(rig_mean_far(at, truth.xyz, rest.n_vertices) < FOUND_MM);
+    rig_free_all();
+}
+
 /* Without area, or a twentieth of a millimetre in size: nothing is found, and nothing is divided by 0. */
 TEST(test_hardly_surfaces)
 {

@@ -79,3 +79,34 @@ TEST(test_volumes)
         assert_true(smr_volume_checksum(&v) != sum);
     }
 }
+
+/* A changed coordinate or weight of a goal, and the absence of weights, change the checksum of goals. */
+TEST(test_goals)
+{
+    float xyz[3 * 4] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, weights[4] = {1, 1, 0.5f, 1};
+    const smr_goals goals = {.xyz = xyz, .weights = weights}, bare = {.xyz = xyz};
+    const uint64_t sum = smr_log_checksum(SMR_LOG_GOALS, &goals, 4),
+                   without = smr_log_checksum(SMR_LOG_GOALS, &bare, 4);
+    assert_true(sum != without);
+    for (uint32_t i = 0; i < 12u; i++) {
+        xyz[i] += 0.5f;
+        assert_true(smr_log_checksum(SMR_LOG_GOALS, &goals, 4) != sum);
+        assert_true(smr_log_checksum(SMR_LOG_GOALS, &bare, 4) != without);
+        xyz[i] -= 0.5f;
+    }
+    weights[3] = 0.25f;
+    assert_true(smr_log_checksum(SMR_LOG_GOALS, &goals, 4) != sum);
+}
+
+/* Masses and velocities have different checksums, alone and together, whatever their values: those that earlier
+ * versions wrote into logs. */
+TEST(test_motions)
+{
+    static const float values[3 * 4] = {0};
+    const smr_motion motion[4] = {{0}, {.mass = values}, {.velocity = values}, {.mass = values, .velocity = values}};
+    for (uint32_t a = 0; a < 4u; a++)
+        for (uint32_t b = 0; b < a; b++)
+            assert_true(smr_log_checksum(SMR_LOG_MOTION, &motion[a], 4) !=
+                        smr_log_checksum(SMR_LOG_MOTION, &motion[b], 4));
+    assert_true(smr_log_checksum(SMR_LOG_MOTION, &motion[3], 4) == 0xc18c1197800ebd8fu);
+}

@@ -303,3 +303,50 @@ TEST(test_expected_beside_a_surface)
     const float without = expected_with(0), with = expected_with(N);
     assert_true(without > 0.0f && with > 0.0f && with < 0.8f * without);
 }
+
+/* A landmark draws a model of a single vertex, and is saved and restored. */
+TEST(test_single_vertex)
+{
+    const float at[3] = {3, 4, 5};
+    const smr_mesh point = {at, NULL, 1, 0};
+    const smr_landmark mark = {0, 0, {0, 0, 0}, {5, 4, 5}, 1.0f, 0};
+    const smr_config c = config_of(1);
+    model = rig_model(&point, 1, NULL);
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
+    (void)rig_run(s, 3);
+    smr *again = rig_restored(s, model, &c);
+    assert_non_null(again);
+    (void)rig_run(s, 30);
+    (void)rig_run(again, 30);
+    assert_true(smr_state_hash(s) == smr_state_hash(again));
+    assert_true(rig_far(rig_positions(s, model), mark.place, 1) < 0.01f);
+}
+
+/* Expected errors beside a surface know as many landmarks as half of the observations have room for, whether the
+ * surface shows much or little; those beyond change nothing. */
+TEST(test_expected_with_many)
+{
+    enum { MANY = 14, KNOWN = 10 };
+    static const uint32_t n[3] = {KNOWN - 1, KNOWN, MANY};
+    for (uint32_t share = 2; share <= 8u; share += 6u) {
+        smr *s = start(MANY, NULL);
+        smr_mesh shown = ball[0];
+        smr_landmark mark[MANY];
+        float mm[3][400];
+        shown.n_triangles /= share;
+        for (uint32_t i = 0; i < MANY; i++) {
+            mark[i] = (smr_landmark){0, 7u * i, {0, 0, 0}, {0, 0, 0}, 1.0f, 0};
+            memcpy(mark[i].place, ball[0].xyz + 21u * (size_t)i, sizeof mark[i].place);
+            mark[i].place[0] += 1.0f;
+        }
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&shown)));
+        (void)rig_run(s, 20);
+        for (uint32_t k = 0; k < 3u; k++) {
+            assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, n[k]));
+            assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm[k]));
+        }
+        assert_memory_equal(mm[1], mm[2], ball[0].n_vertices * sizeof(float));
+        assert_memory_not_equal(mm[0], mm[1], ball[0].n_vertices * sizeof(float));
+    }
+}

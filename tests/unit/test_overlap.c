@@ -1,7 +1,8 @@
-/* test_overlap.c: which targets are taken as whole, and which as partial.
+/* test_overlap.c: which targets are taken as whole, and which as partial; a target that is met exactly.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
+#include "property/rig_parts.h"
 #include "registration/tick/iteration_steps.h"
 
 #define STEP 5.0f    /* mm, of the sheets */
@@ -74,4 +75,48 @@ TEST(which_targets_are_partial)
             assert_int_equal(left == 1u, smr_visibility_judged(&s->forces.surface, 0));
         }
     }
+}
+
+/* A ball of more vertices than a task counts is seen in part while it lies aside, as whole once it has moved there, and
+ * what was seen at the judgement stays known. */
+TEST(until_it_is_covered)
+{
+    static const float centre[3] = {0, 0, 0}, aside[3] = {20, 0, 0};
+    const smr_mesh ball = rig_ball(30.0f, 30, 40, centre), goal = rig_ball(30.0f, 15, 22, aside);
+    const smr_prepare_config radii = rig_radii(2, RADIUS, RADIUS / 2.0f, 0);
+    smr_config c = smr_config_default();
+    c.basic.n_target_vertices = goal.n_vertices;
+    smr *s = rig_init(rig_model(&ball, 1, &radii), &c, NULL);
+    const smr_target *const target = s->forces.surface.target;
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    for (uint32_t i = 0; i < 200u && (i == 0u || s->forces.surface.partial); i++) {
+        (void)rig_run(s, 1);
+        assert_int_equal(target->n_judged, ball.n_vertices);
+        assert_int_equal(s->forces.surface.partial, target->partial);
+    }
+    const uint32_t shown = target->n_visible;
+    (void)rig_run(s, 1);
+    assert_true(shown > 9u * ball.n_vertices / 10u && shown <= ball.n_vertices);
+    assert_int_equal(target->n_visible, shown);
+}
+
+/* Where a model that was shifted lies exactly on its target, with neither noise nor a bend to measure, expected errors
+ * are numbers. */
+TEST(expected_without_noise)
+{
+    float mm[2 * SIDE * SIDE];
+    static const float over[9] = {1, 0, 0, 0, 1, 0, 0, 0, -1}, below[3] = {0, 0, -40};
+    const smr_mesh goal = sheet(100.0f, 0.0f), two[2] = {goal, rig_moved(&goal, over, below)};
+    const smr_mesh mesh = rig_joined(two, 2);
+    const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
+    smr_config c = smr_config_default();
+    c.basic.n_target_vertices = goal.n_vertices;
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    (void)rig_run(s, 1);
+    for (uint32_t v = 0; v < mesh.n_vertices; v++)
+        s->shape.start[3u * v + 2u] -= 8.0f; /* as if it had come from there */
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
+    for (uint32_t v = 0; v < mesh.n_vertices; v++)
+        assert_true(mm[v] >= 0.0f && mm[v] < 100.0f);
 }

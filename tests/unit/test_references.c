@@ -176,6 +176,23 @@ TEST(test_unlike_all_subjects)
     }
 }
 
+/* A result with the shape of a subject lies among the blends, however small the subjects are. */
+TEST(test_small_subject)
+{
+    static const float small[9] = {0.02f, 0, 0, 0, 0.02f, 0, 0, 0, 0.02f}, none[3] = {0, 0, 0};
+    smr_verdict v;
+    make_shapes();
+    bone = rig_moved(&bone, small, none);
+    for (uint32_t i = 0; i < 3u * (SHAPES - 1u) * bone.n_vertices; i++)
+        also[i] *= small[0];
+    const smr_config usual = config_of(&bone, 300.0f);
+    smr *s = rig_init(model_of(&subjects), &usual, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&bone)));
+    (void)rig_run(s, 1);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &v));
+    assert_true(v.subjects_ratio >= 0.0f && v.subjects_ratio < 0.02f);
+}
+
 /* On a whole target, and without further shapes, each bit is as without references. The arena is exact. */
 TEST(test_not_used)
 {
@@ -210,7 +227,7 @@ TEST(test_not_used)
     assert_int_equal(SMR_OK, smr_init(all, &c, NULL, arena, more, &s[2]));
 }
 
-/* While a target is tracked, the weights that registration found stay. */
+/* While a target is tracked, the weights that registration found stay, and so does what the target does not show. */
 TEST(test_tracked)
 {
     static const float truth[2][SHAPES] = {{0, 1, 0, 0}, {0, 0, 1, 0}};
@@ -223,6 +240,10 @@ TEST(test_tracked)
     (void)rig_run(s, 400);
     assert_true(s->schedule.tracking);
     weights_of(s, weight[0]);
+    const float *const before = rig_positions(s, s->shared.model);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&part)));
+    (void)rig_run(s, 20);
+    assert_true(rig_far(before, rig_positions(s, s->shared.model), bone.n_vertices) < 0.5f);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&other)));
     (void)rig_run(s, 20);
     weights_of(s, weight[1]);

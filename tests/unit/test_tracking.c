@@ -181,3 +181,56 @@ TEST(test_jumps_with_its_side)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_true(report.details.jumped && rig_far(rig_positions(s, e.model), there.xyz, n) < 0.6f);
 }
+
+/* A ball that goes ahead with each tick is held back by a fixed one in its way: what was known of the distance between
+ * them no longer holds. */
+TEST(test_goes_ahead_into_contact)
+{
+    static const float from[3] = {0, 0, 0}, way[3] = {60.5f, 0, 0};
+    const smr_mesh ball = rig_ball(20, 12, 20, from), fixed = rig_ball(20, 12, 20, way);
+    const smr_prepare_config radii = rig_radii(2, 25, 12, 0);
+    scene e = make(SMR_TRACK_REPORT);
+    const float *x[2];
+    e.model = rig_model(&ball, 1, &radii);
+    e.at[0] = rig_surface(&ball);
+    e.config.track.ahead = 1.0f;
+    e.config.contact.n_fixed = 1;
+    for (uint32_t k = 0; k < 2u; k++) {
+        e.config.contact.share = (float)k;
+        smr *s = started(&e, NULL);
+        assert_int_equal(SMR_OK, smr_set_fixed(s, 0, rig_surface(&fixed)));
+        for (uint32_t i = 1; i <= 10u; i++) {
+            const smr_mesh next = rig_ball(20, 12, 20, (const float[3]){3.0f * (float)i, 0, 0});
+            assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&next)));
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        }
+        x[k] = rig_positions(s, e.model);
+    }
+    assert_true(rig_far(x[0], x[1], ball.n_vertices) > 0.7f);
+}
+
+/* Points that scatter by more than what counts as a jump, and by no more than those before, have not jumped. */
+TEST(test_noise_is_no_jump)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    const uint32_t n = e.source.n_vertices;
+    smr_points *const cloud = rig_cloud(n);
+    e.config.basic.n_target_vertices = n;
+    e.config.track.jump_mm = 0.5f;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    smr_tick_report r = {0};
+    for (uint32_t k = 0, seed = 7; k < 2u; k++) {
+        assert_int_equal(SMR_OK, smr_points_clear(cloud));
+        for (uint32_t v = 0; v < n; v++) {
+            float p[3];
+            rig_within(&seed, -2, 2, p);
+            smr_store(p, smr_add(smr_load(p), smr_load(e.target.xyz + 3u * (size_t)v)));
+            assert_int_equal(SMR_OK, smr_points_add(cloud, p, NULL, NULL, 1));
+        }
+        assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+        if (k == 0u)
+            assert_int_equal(1, until_settled(s, 1000).details.tracking);
+    }
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_int_equal(0, r.details.jumped);
+}

@@ -212,6 +212,13 @@ TEST(bounds)
     w.shared.config.track.mode = SMR_TRACK_OFF;
     w.shared.config.partial.coverage = SMR_COVERAGE_AUTO;
     assert_int_equal(smr_occluded_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
+    for (uint32_t n = 1; n <= 2u; n++) { /* a row for each landmark beside fewer vertices */
+        const uint32_t rows = SMR_CONTROLS + n;
+        w.shared.config.partial.n_landmarks = n;
+        smr_occluded_field_wire(&w.field, &w.overlay);
+        assert_int_equal(rows, w.field.most);
+        assert_int_equal((9u + SMR_FIELD_MOTIONS) * rows + SMR_FACTOR_WORDS(rows), smr_occluded_field_words(&w.shared));
+    }
 }
 
 /* While images are followed: controls are what has a goal, from the held shape on; a vertex with one goes along the
