@@ -88,7 +88,6 @@ void smr_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task == 0u) {
         const uint32_t room = place(f, s);
         f->most = smr_min_u32(f->total, room - 3u * n_marked(j, room));
-        j->fit.weight = 0.0f;
         j->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
     }
     for (uint32_t i = piece.first; i < piece.last; i++) {
@@ -125,7 +124,7 @@ void smr_marks_observe(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     if (task == 0u || f->n < SMR_OBSERVATIONS_LEAST || !is_marked(j, task - 1u))
         return;
     const uint32_t room = place(f, j->s), n = n_marked(j, room);
-    if (f->n + 3u > room || f->n + 3u > f->most + 3u * n)
+    if (f->n + 3u > f->most + 3u * n) /* at most the room for observations */
         return;
     const smr_vec from = smr_landmark_foot(g, task - 1u, j->s->shape.start),
                   to = smr_landmark_foot(g, task - 1u, j->s->shape.x),
