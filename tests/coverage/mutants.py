@@ -9,7 +9,7 @@ the tree stays as it is. Only the programs that run the line are tried, until on
 the object file is `same`: no test can find it. A program that needs far more processor time than before has failed.
 tests/coverage/equivalent.txt lists faults that change no result, with the reason, and these are not tried.
 Ends with the survivors. SLOWEST=S leaves out programs that took longer than S seconds in coverage.py; JOBS=J tries J
-faults at once, 1 by default.
+faults at once, 1 by default; FIRST=F leaves out the first F faults, to go on with a campaign.
 """
 import collections
 import concurrent.futures
@@ -221,7 +221,8 @@ def main():
     bench = Bench(folder, programs)
     verdicts, survivors, start = collections.Counter(), [], processor_seconds()
     with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as threads:
-        tries = {threads.submit(bench.judge, site): site for site in draw(sites_by_line(covered), int(count), int(seed))}
+        drawn = draw(sites_by_line(covered), int(count), int(seed))[int(os.environ.get("FIRST", "0")):]
+        tries = {threads.submit(bench.judge, site): site for site in drawn}
         for done in concurrent.futures.as_completed(tries):
             site, (verdict, killer) = tries[done], done.result()
             verdicts[verdict] += 1
