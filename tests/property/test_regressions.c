@@ -66,6 +66,28 @@ TEST(test_normals_of_complete_iterations)
     assert_true(partial > 50u);
 }
 
+/* The same where the vertices are so many that ticks end amid the exchange of normals. */
+TEST(test_normals_of_many_vertices)
+{
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    const smr_mesh ball = rig_ball(20, 50, 50, none), larger = rig_ball(22, 20, 30, none);
+    const smr_prepare_config radii = rig_radii(1, 4, 0, 0);
+    const smr_config config = smr_config_default();
+    const size_t bytes = 3u * (size_t)ball.n_vertices * sizeof(float);
+    float *const now = rig_alloc(bytes), *const before = rig_alloc(bytes);
+    smr *s = rig_init(rig_model(&ball, 1, &radii), &config, &port);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&larger)));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_normals(s, 0, before));
+    while (smr_tick(s, 1, NULL) == SMR_PARTIAL) {
+        assert_int_equal(SMR_OK, smr_get_normals(s, 0, now));
+        assert_memory_equal(now, before, bytes);
+    }
+    assert_int_equal(SMR_OK, smr_get_normals(s, 0, now));
+    assert_memory_not_equal(now, before, bytes);
+}
+
 /* A vertex that already lies on its goal has one. */
 TEST(test_goals_are_counted)
 {

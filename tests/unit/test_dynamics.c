@@ -208,6 +208,19 @@ TEST(test_keeps_momentum)
     }
 }
 
+/* Where no energy is too much, velocities are by what the vertices moved, to the last bit. */
+TEST(test_velocities_are_displacements)
+{
+    smr *s = rig_init(e.model, &e.config, NULL);
+    float *const before = rig_alloc(3u * (size_t)e.n * sizeof *before);
+    rig_throw(&e, &bone, rig_energy(s).centre, 1.0f, 200.0f);
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+    memcpy(before, s->shape.x, 3u * (size_t)e.n * sizeof *before);
+    rig_steps(s, 1);
+    for (uint32_t i = 0; i < 3u * e.n; i++)
+        assert_true(s->shape.dynamics->velocity[i] == (s->shape.x[i] - before[i]) * (1.0f / s->shape.dynamics->step_s));
+}
+
 /* All that a cluster can have weigh eight clusters together, however many others are pinned elsewhere. */
 TEST(test_pins_weigh)
 {

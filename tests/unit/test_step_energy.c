@@ -285,3 +285,28 @@ TEST(test_a_loose_one_flies_by)
     if (!(alone > 80.0f && fabsf(alone - beside) < 0.1f))
         fail_msg("the tip went %g mm, beside a loose one %g", (double)alone, (double)beside);
 }
+
+/* Of two equal balls that hang on their poles far apart, the second swings as the first does: energy is counted of the
+ * one as of the other. */
+TEST(test_twins)
+{
+    static const float place[2][3] = {{0, 0, 0}, {400, 0, 0}};
+    const smr_mesh balls[2] = {rig_ball(50, 12, 16, place[0]), rig_ball(50, 12, 16, place[1])};
+    const smr_prepare_config radii = rig_radii(1, 60, 0, 0);
+    const smr_model *model = rig_model(balls, 2, &radii);
+    rig_motion m = rig_motion_make(&balls[0], &radii);
+    m.config.dynamics.elastic = 1e4f;
+    m.config.dynamics.damping = 0.0f;
+    m.mass[0] = INFINITY;
+    for (uint32_t i = 1; i < m.n; i++)
+        m.speed[3u * i] = 30.0f * (50.0f - balls[0].xyz[3u * i + 2u]);
+    smr *s = rig_init(model, &m.config, NULL);
+    for (uint32_t k = 0; k < 2u; k++)
+        assert_int_equal(SMR_OK, smr_set_motion(s, k, m.mass, m.speed));
+    rig_steps(s, 12);
+    const float *const x = rig_positions(s, model);
+    float apart = 0.0f;
+    for (uint32_t i = 0; i < 3u * m.n; i++)
+        apart = fmaxf(apart, fabsf(x[3u * m.n + i] - x[i] - (i % 3u == 0u ? 400.0f : 0.0f)));
+    assert_true(apart < 0.05f && rig_far(x, balls[0].xyz, m.n) > 50.0f && rig_energy(s).kinetic_uj > 1e4f);
+}
