@@ -481,7 +481,7 @@ kept-update: $(PROGRAM)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/golden/check_kept.sh --update
 
 golden-update: $(BUILD)/golden $(BUILD)/answers
-	$(Q)$(BUILD)/answers > tests/golden/answers.txt
+	$(Q)$(BUILD)/answers > $(BUILD)/answers.txt && cp $(BUILD)/answers.txt tests/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
 

@@ -225,6 +225,8 @@ class Verdict(_Struct):
                 ("scale", _F), ("scale_rest", _F), ("subjects_ratio", _F),
                 ("moved_last_mm", _F)]
 
+    doubts: Tuple[str, ...] = ()  # sentences of register() on the start, the target and the run
+
     @property
     def word(self) -> str:
         """"good", "look" or "failed"."""
@@ -233,7 +235,14 @@ class Verdict(_Struct):
     @property
     def why(self) -> List[str]:
         """A sentence for each reason: what was measured and where to look."""
-        return [_lib.smr_reason_text(1 << i).decode() for i in range(32) if self.reasons >> i & 1]
+        return [*self.doubts] + [_lib.smr_reason_text(1 << i).decode() for i in range(32) if self.reasons >> i & 1]
+
+    def _doubt(self, doubts: Iterable[str]) -> None:
+        """A result in doubt is to be looked at; each doubt counts as much as one of `smr register`."""
+        for sentence in doubts:
+            self.doubts += (sentence,)
+            self.level = max(self.level, 1)
+            self.probability *= 0.3
 
 
 _Fact = _struct("_Fact", ("miss_mm", _F), ("volume", _F))
@@ -444,6 +453,11 @@ def _numbers(value: Any, what: str, columns: int = 3) -> Array:
         raise ValueError(f"{what}: expected the shape [n]{f'[{columns}]' if columns else ''}, not {list(a.shape)}")
     with np.errstate(over="ignore"):  # what float32 cannot hold is infinite, and refused
         return np.ascontiguousarray(a, np.float32)
+
+
+def _diagonal(xyz: Array) -> float:
+    """Of the box around [n][3]; 0 of nothing."""
+    return float(np.linalg.norm(np.ptp(xyz, axis=0))) if len(xyz) else 0.0
 
 
 def _indexes(value: Any, what: str) -> Array:
@@ -714,7 +728,7 @@ class Model:
                   for name, (xyz, triangles) in named.items()]
         n = len(meshes)
         all_xyz = np.concatenate([xyz.reshape(-1, 3) for xyz, _ in meshes] or [np.zeros((0, 3))])
-        size = float(np.linalg.norm(np.ptp(all_xyz, axis=0))) if len(all_xyz) else 0.0
+        size = _diagonal(all_xyz)
         if 0.0 < size < 5.0:
             warnings.warn(f"lengths are millimetres, but the model's diagonal is only {size:.3g} mm: is it in metres?",
                           stacklevel=2)
@@ -1372,6 +1386,27 @@ def _start(s: Registration, model: Model, targets: Mapping[Any, Any], align_by: 
     return pose, report
 
 
+def _doubts(model: Model, targets: Mapping[Any, Any], found: Optional[AlignReport], report: TickReport) -> Iterator[str]:
+    """What speaks against a result beside its verdict's own measures, as `smr register` says it."""
+    surfaces = [t.xyz for t in targets.values() if isinstance(t, Surface)]
+    if surfaces and len(surfaces) == len(targets) and (found is None or found.scale == 1.0):
+        ratio = float(_diagonal(np.concatenate(surfaces)) / max(_diagonal(model.rest()), 1e-30))
+        if not 1 / 9 <= ratio <= 9:
+            yield f"the target is {ratio:.3g} times as large as the model: look at the units of both"
+    if found is not None and found.model_inside_out:
+        yield "the model is a closed surface that is inside out"
+    if found is not None and found.target_inside_out:
+        yield "the target is a closed surface that is inside out"
+    if found is not None and found.n_alike > 1 and not found.given:
+        yield (f"{found.n_alike} clearly different start poses explain the surfaces alike: look which way round the "
+               "result lies, or give landmarks")
+    if found is not None and found.n_alike > 0 and found.mirrored_rms_mm < 0.7 * found.rms_mm:
+        yield (f"the model's mirror image starts nearer, {found.mirrored_rms_mm:.1f} instead of {found.rms_mm:.1f} mm: "
+               "look whether the target is of the other side of the body")
+    if not report.done and not report.details.tracking:
+        yield f"ticks ended first, after {100 * report.progress:.0f} % of the schedule"
+
+
 def register(model: Model, target: Targets = None, align: Optional[str] = None, start: Any = None,
              landmarks: Sequence[Landmark] = (), threads: Optional[int] = None, ticks: Optional[int] = None,
              budget_ns: int = 0, progress: Optional[Callable[[TickReport], Any]] = None, **settings: Any) -> Result:
@@ -1395,9 +1430,11 @@ def register(model: Model, target: Targets = None, align: Optional[str] = None, 
             progress(report)
     while not s.report.complete:  # what is judged is a complete iteration
         s.tick()
-    each = range(len(model))
+    each, verdict = range(len(model)), s.verdict()
+    if not s._config.dynamics:  # which has no end
+        verdict._doubt(_doubts(model, targets, found, s.report))
     return Result(model.names, [s.positions(i) for i in each], [s.expected_error(i) for i in each],
-                  [s.visible(i) for i in each], s.verdict(), [s.verdict(i) for i in each], pose, found, s.report,
+                  [s.visible(i) for i in each], verdict, [s.verdict(i) for i in each], pose, found, s.report,
                   s.hash, s)
 
 

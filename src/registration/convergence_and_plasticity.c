@@ -12,7 +12,7 @@
  * rounding would decide when. No radius ends early while volumes change towards their ratios. */
 static int may_end_early(const smr *s)
 {
-    if (smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes))
+    if (s->volumes.pending)
         return 0;
     if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->schedule))
         return 0; /* the last radius runs to its end: only its last iterations test triangles' centres for contact */

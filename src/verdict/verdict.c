@@ -40,7 +40,8 @@ const char *smr_reason_text(uint32_t bit)
     case SMR_REASON_STRUCTURES:
         return "structures that are not good make up much of the model: look at their own verdicts";
     case SMR_REASON_RECOVERING:
-        return "the model does not follow the present target yet, or has not recovered from its jump: tick on";
+        return "the model does not follow the present target yet, or has not recovered from its jump: "
+               "tick on, and start again where the schedule has ended";
     case SMR_REASON_SUBJECTS:
         return "the shape is unlike all subjects of the model: look whether the target is the same body and side";
     case SMR_REASON_BOUND:

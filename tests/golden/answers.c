@@ -69,7 +69,11 @@ void answers_say(const char *what)
     crc = 0xffffffffu;
 }
 
-void answers_begin(const char *name) { printf("%s:", name); }
+void answers_begin(const char *name)
+{
+    printf("%s:", name);
+    crc = 0xffffffffu;
+}
 
 void answers_end(void)
 {
@@ -218,7 +222,7 @@ static void say_tick(const smr_tick_report *r)
     answers_put(counts, sizeof counts);
     answers_put(sizes, sizeof sizes);
     answers_put(d, offsetof(smr_tick_details, phase_ns));
-    answers_put(&d->plastic_updates, sizeof *d - offsetof(smr_tick_details, plastic_updates) - 4u); /* 4: padding */
+    answers_put(&d->plastic_updates, sizeof *d - offsetof(smr_tick_details, plastic_updates));
 }
 
 void answers_of(smr *s, const smr_model *model, const smr_tick_report *report)

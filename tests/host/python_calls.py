@@ -89,7 +89,7 @@ def twin(folder):
     result = smr.register(model, (now, triangles), threads=2)
     end("surface", result.hash, result.verdict)
     result = smr.register(model, (now, triangles), method="polar", search_mm=25, ticks=12)
-    end("polar", result.hash, result.verdict)
+    end("polar", result.hash, result.registration.verdict())
     pose = smr.align(smr.Surface(rest, triangles), smr.Surface(now, triangles))[0]
     print("align" + bits(pose))
     assert np.array_equal(pose, smr.align((rest, triangles), (now, triangles))[0])
@@ -246,6 +246,16 @@ def ticks(model, rest, triangles, now):
     off = np.linalg.norm(result.positions[0] - turned, axis=1)
     check(f"align finds a bone that lies elsewhere: {off.mean():.2f} mm", off.mean() < 2 and result.start is not None
           and result.pose.shape == (3, 4))
+    egg = rest / np.linalg.norm(rest, axis=1, keepdims=True) * np.float32([30, 20, 60])
+    symmetric, away = smr.Model.prepare((egg, triangles)), egg[:, [1, 2, 0]] * np.float32([1, 1, -1])
+    for what, words, doubted in (
+            ("ticks that end first", "ticks ended first", smr.register(model, (now, triangles), ticks=1)),
+            ("a target inside out", "inside out", smr.register(model, (turned, triangles[:, ::-1]), align="rigid")),
+            ("a target in metres", "units", smr.register(model, (0.001 * now, triangles))),
+            ("start poses alike", "clearly different", smr.register(symmetric, (away, triangles[:, ::-1]), "rigid"))):
+        check(f"{what}: {doubted.verdict.word}, {doubted.verdict.why[:1]}",
+              doubted.verdict.word != "good" and words in " ".join(doubted.verdict.why)
+              and doubted.verdict.probability <= 0.3)
     s = smr.Registration(model, caller_goals=1)
     s.set_goals("bone", now)
     for _ in s.run():

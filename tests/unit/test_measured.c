@@ -264,3 +264,24 @@ TEST(test_structures_turned_apart)
         smr_guard_close(s);
     }
 }
+
+/* Expected errors are found anew after ticks, also where recording has ended since, and as many changes lie behind its
+ * end as before. */
+TEST(test_after_the_end_of_a_log)
+{
+    const smr_surface *goal[2], *far;
+    float one[64], other[64];
+    smr *s = start(NULL, goal, &far), *twin = start(NULL, goal, &far);
+    const size_t bytes = s->shape.structure[0].n_vertices * sizeof *one;
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal[0]));
+    assert_int_equal(SMR_OK, smr_set_surface(twin, 0, goal[0]));
+    (void)rig_run(s, 3);
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, one));
+    assert_int_equal(SMR_OK, smr_set_log(s, NULL, 0));
+    (void)rig_run(s, 5);
+    (void)rig_run(twin, 8);
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, one));
+    assert_int_equal(SMR_OK, smr_get_expected_error(twin, 0, other));
+    assert_true(bytes <= sizeof one && smr_state_hash(s) == smr_state_hash(twin));
+    assert_memory_equal(one, other, bytes);
+}

@@ -175,6 +175,24 @@ TEST(test_reached_from_rest)
     }
 }
 
+/* Tracking does not rest before the ratio is reached: neither where large displacements count as rest, nor where the
+ * ratio is set before the schedule's last iterations. */
+TEST(test_no_rest_before)
+{
+    const smr_mesh ball = rig_ball(30, 12, 16, none);
+    smr_config c = config_of(1.0f);
+    c.track.mode = SMR_TRACK_REPORT;
+    c.motion.settle_um = 0.0f;
+    for (uint32_t ticks = 34; ticks < 44u; ticks++) {
+        c.track.settle_um = ticks % 2u ? 1000.0f : 20.0f;
+        smr *s = start(&ball, &c, NULL);
+        (void)rig_run(s, ticks);
+        assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 0, 1.2f));
+        assert_true(rig_run(s, 50).details.settled);
+        assert_float_equal(volume_of(s).ratio, 1.2f, 1e-3f);
+    }
+}
+
 /* On the way to a ratio saved and restored. */
 TEST(test_saved)
 {

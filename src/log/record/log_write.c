@@ -103,9 +103,10 @@ void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *wha
 
 void smr_log_end(smr_log *log)
 {
-    const uint32_t fresh = log->fresh;
+    const uint32_t fresh = log->fresh, changes = log->changes;
     memset(log, 0, sizeof *log);
     log->fresh = fresh;
+    log->changes = changes;
 }
 
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes)

@@ -79,7 +79,8 @@ static float share_found(const smr *s)
 
 void smr_tracking_start(smr *s)
 {
-    s->schedule.tracking = s->schedule.settled = 1;
+    s->schedule.tracking = 1;
+    s->schedule.settled = !s->volumes.pending;
     s->schedule.jumped = s->schedule.recovering = 0;
     s->schedule.changed = s->forces.unmeasured ? SMR_CHANGED : 0u; /* a target may be newer than the last forces */
     s->schedule.found = share_found(s);
@@ -232,8 +233,7 @@ void smr_tracking_next(smr *s)
     const float typical = smr_residual_typical(&s->forces.surface), stiffness = s->shared.config.forces.stiffness;
     const float noise_mm = s->shared.config.track.settle_um > 0.0f ? SMR_TRACK_STILL * stiffness * typical : 0.0f;
     const float rest_mm = smr_max(s->shared.config.track.settle_um * 1.0e-3f, noise_mm);
-    const int grows = smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes);
     s->schedule.noise_mm = typical;
-    s->schedule.settled =
-        (s->evolve.moved_mm < rest_mm && !grows) || s->schedule.radius_iteration >= s->shared.config.track.iterations;
+    s->schedule.settled = (s->evolve.moved_mm < rest_mm && !s->volumes.pending) ||
+                          s->schedule.radius_iteration >= s->shared.config.track.iterations;
 }

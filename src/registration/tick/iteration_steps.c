@@ -50,6 +50,7 @@ static void match_end(smr *s)
 static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
+    s->volumes.pending = (uint32_t)(smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes));
     s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->schedule.tracking ||
                             smr_moves(s) || smr_plastic_ahead(s);
 }
