@@ -90,14 +90,15 @@ static void align(const smr_surface *model, const smr_surface *onto, smr_align_p
     assert_int_equal(SMR_OK, status);
 }
 
-static void find(const arm *a, int shared, int pieces, smr_align_part part[PARTS])
+/* ball: the target of its own that the ball has, or NULL. */
+static void find(const arm *a, int shared, const smr_surface *ball, int pieces, smr_align_part part[PARTS])
 {
     const smr_mesh model = rig_joined(a->model, 2), both = rig_joined(a->target, 2);
     smr_surface *onto = rig_surface(&both);
     memset(part, 0, PARTS * sizeof *part);
     for (uint32_t i = 0; i < PARTS; i++) {
         part[i].model = rig_surface(&a->model[i]);
-        part[i].target = i == BALL ? NULL : shared ? onto : rig_surface(&a->target[i]);
+        part[i].target = i == BALL ? ball : shared ? onto : rig_surface(&a->target[i]);
     }
     align(rig_surface(&model), onto, part, PARTS, pieces);
 }
@@ -123,15 +124,35 @@ TEST(test_poses)
         for (int shared = 0; shared < 2; shared++) {
             const arm a = make_arm(&seed, 60.0f + 10.0f * (float)i);
             smr_align_part part[PARTS], again[PARTS];
-            find(&a, shared, 0, part);
+            find(&a, shared, NULL, 0, part);
             assert_true(check_found(&a, part) < FOUND_MM);
-            find(&a, shared, 1, again);
+            find(&a, shared, NULL, 1, again);
             for (uint32_t k = 0; k < PARTS && i == 0u; k++) {
                 assert_memory_equal(&part[k].pose, &again[k].pose, sizeof part[k].pose);
                 assert_memory_equal(&part[k].report, &again[k].report, sizeof part[k].report);
             }
             rig_free_all();
         }
+}
+
+/* A part with a target of its own is found far from its joint, also right after a part that shares its target. */
+TEST(test_own_target_after_a_shared_one)
+{
+    static const float same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, beside[3] = {400, 0, 0};
+    uint32_t seed = 15;
+    const arm a = make_arm(&seed, 70.0f);
+    const smr_mesh away = rig_moved(&a.model[BALL], same, beside);
+    const smr_surface *own = rig_surface(&away);
+    smr_align_part part[PARTS];
+    float at[3];
+    find(&a, 1, own, 0, part);
+    assert_true(part[FOREARM].order == 2u && part[BALL].order == 3u && part[BALL].report.n_alike > 0u);
+    const float *wrist = end_of(&a.model[FOREARM], -1.0f);
+    const float centre[3] = {wrist[0], wrist[1], wrist[2] - 8.0f};
+    const float to[3] = {centre[0] + beside[0], centre[1], centre[2]};
+    posed(&(const smr_mesh){centre, NULL, 1, 0}, &part[BALL].pose, at);
+    assert_true(rig_far(at, to, 1) < FOUND_MM);
+    rig_free_all();
 }
 
 static float far_from(const arm *a, const smr *s, const smr_model *model)

@@ -123,3 +123,18 @@ TEST(test_forged_pairs)
         assert_true(rig_finite(rig_positions(s, m.model), m.n));
     }
 }
+
+/* Points half a micrometre beyond the radius count half in the size of the largest cluster, rounded up. */
+TEST(test_largest_cluster)
+{
+    const smr_prepare_config radii = rig_radii(1, 10, 0, 0);
+    for (uint32_t outside = 1; outside <= 6u; outside++) {
+        float xyz[3u * 7u] = {0};
+        const smr_mesh points = {xyz, NULL, 1u + outside, 0};
+        smr_model_info info;
+        for (uint32_t i = 0; i < outside; i++) /* on the axes, far from each other */
+            xyz[3u * (i + 1u) + i % 3u] = i < 3u ? 10.0005f : -10.0005f;
+        assert_int_equal(SMR_OK, smr_model_get_info(rig_model(&points, 1, &radii), &info));
+        assert_int_equal(1u + (outside + 1u) / 2u, info.largest_cluster[0]);
+    }
+}

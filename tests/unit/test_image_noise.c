@@ -3,6 +3,7 @@
 #include "suite.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "property/rig_ball_image.h"
 #include "registration/registration.h"
@@ -175,4 +176,30 @@ TEST(test_more_in_noise)
     }
     s->schedule.radius = smr_last_radius(&s->shared);
     assert_float_equal(1.0f, smr_image_more(g), 0.0f);
+}
+
+/* In much noise goals come from means over many lines up to the first quarter of the active vertices, and over few
+ * lines behind it. */
+TEST(test_few_lines_behind_the_first_vertices)
+{
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    smr_config config = smr_config_default_image();
+    config.image.rest = 0;
+    smr *const s = rig_init(rig_ball_model(&reference), &config, NULL);
+    smr_image_goals *const g = &s->forces.image;
+    uint32_t differ = 0;
+    assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
+    (void)rig_run(s, 1);
+    g->noise = 9.0f * g->noise_level;
+    for (uint32_t v = 1; v < s->shared.n / 8u; v++) {
+        const uint32_t active[4] = {v + 1u, 4u * v, 4u * v + 1u, 8u * v};
+        smr_vec d[4] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+        for (uint32_t i = 0; i < 4u; i++) {
+            s->schedule.n_active = active[i];
+            (void)g->calls->goal(g, v, &d[i]);
+        }
+        assert_true(memcmp(&d[0], &d[1], sizeof d[0]) == 0 && memcmp(&d[2], &d[3], sizeof d[2]) == 0);
+        differ += memcmp(&d[1], &d[2], sizeof d[1]) != 0;
+    }
+    assert_true(differ > s->shared.n / 16u);
 }
