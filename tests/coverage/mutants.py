@@ -102,12 +102,12 @@ def draw(sites, count, seed):
 class Bench:
     """A built tree, and the commands that made its parts."""
 
-    def __init__(self, folder, programs):
+    def __init__(self, folder, programs, equivalent):
         self.folder = folder
         self.programs = programs
+        self.equivalent = equivalent
         self.sound = {}  # bytes of each unchanged object
         self.kills = collections.Counter()
-        self.equivalent = equivalents()
         make = [os.environ.get("MAKE", "make"), f"BUILD={folder}"] + [f"{folder}/{name}" for name in programs]
         environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS")}
         subprocess.run(make + ["-s"], check=True, env=environment)
@@ -164,7 +164,7 @@ class Bench:
 
     def judge(self, site):
         """Returns the verdict and the program that found the fault."""
-        if is_equivalent(site, self.equivalent):
+        if site in self.equivalent:
             return "equivalent", ""
         text = Path(site.path).read_text()
         if site.path not in self.sound:
@@ -192,15 +192,20 @@ def describe(site):
     return f"{site.path}:{site.line}: {site.kind}: {change}   in: {line}"
 
 
-def equivalents():
-    """The rows `source|>change|>words of the line|>why`."""
-    rows = Path("tests/coverage/equivalent.txt").read_text().splitlines()
-    return [row.split("|>") for row in rows if row and not row.startswith("#")]
-
-
-def is_equivalent(site, rows):
-    change, line = change_and_line(site)
-    return any(site.path == f"src/{source}" and change == at and words in line for source, at, words, _ in rows)
+def equivalents(sites):
+    """The sites of the rows `source|>change|>words of the line|>number among such sites, or *|>why`. Each row must fit."""
+    found = set()
+    for row in Path("tests/coverage/equivalent.txt").read_text().splitlines():
+        if row.startswith("#"):
+            continue
+        source, change, words, number, _ = row.split("|>")
+        fits = [site for site in sites if site.path == f"src/{source}" and change_and_line(site)[0] == change
+                and words in change_and_line(site)[1]]
+        fits = fits if number == "*" else fits[int(number) - 1:int(number)]
+        if not fits:
+            sys.exit(f"tests/coverage/equivalent.txt fits nothing: {row}")
+        found.update(fits)
+    return found
 
 
 def processor_seconds():
@@ -218,10 +223,11 @@ def main():
     for ran in programs.values():
         for path, lines in ran["lines"].items():
             covered[path].update(lines)
-    bench = Bench(folder, programs)
+    sites = sites_by_line(covered)
+    bench = Bench(folder, programs, equivalents([site for path_line in sorted(sites) for site in sites[path_line]]))
     verdicts, survivors, start = collections.Counter(), [], processor_seconds()
     with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as threads:
-        drawn = draw(sites_by_line(covered), int(count), int(seed))[int(os.environ.get("FIRST", "0")):]
+        drawn = draw(sites, int(count), int(seed))[int(os.environ.get("FIRST", "0")):]
         tries = {threads.submit(bench.judge, site): site for site in drawn}
         for done in concurrent.futures.as_completed(tries):
             site, (verdict, killer) = tries[done], done.result()
