@@ -43,4 +43,15 @@ x86_64-*)
     $cc $good -O2 -mfpmath=387 '-D_Static_assert(...)=' "$tmp/main.c" src/base/self_test.c -o "$tmp/run" -lm && "$tmp/run"
     same '-mfpmath=387: smr_self_test()' $? 4 ;;
 esac
+# NEON of Armv7 flushes denormals: clang uses it for lanes.
+if have clang && have qemu-arm && have arm-linux-gnueabihf-gcc; then
+    for row in 'neon 2' 'vfpv3 0'; do
+        # shellcheck disable=SC2086
+        clang --target=arm-linux-gnueabihf -mcpu=cortex-a9 -mfpu=${row% *} $good -O2 -static "$tmp/main.c" src/base/self_test.c \
+            -o "$tmp/run" -lm && qemu-arm "$tmp/run"
+        same "clang, Armv7 with ${row% *}: smr_self_test()" $? "${row#* }"
+    done
+else
+    skip 'clang, Armv7 with NEON' 'needs clang, qemu-arm and gcc-arm-linux-gnueabihf'
+fi
 finish

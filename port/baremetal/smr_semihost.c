@@ -1,4 +1,4 @@
-/* smr_semihost.c: Arm semihosting on a Cortex-M, an AArch64 and a RISC-V core.
+/* smr_semihost.c: Arm semihosting on a 32-bit Arm, an AArch64 and a RISC-V core.
  * Sources: Arm, "Semihosting for AArch32 and AArch64": SYS_OPEN, SYS_CLOSE, SYS_WRITE0, SYS_READ,
  * SYS_EXIT_EXTENDED; RISC-V International, "RISC-V Semihosting".
  * SPDX-License-Identifier: MIT */
@@ -24,14 +24,25 @@
 #else
 #define SMR_SEMIHOST_NUMBER "r0"
 #define SMR_SEMIHOST_BLOCK "r1"
+#if __ARM_ARCH_PROFILE == 'M'
 #define SMR_SEMIHOST_TRAP "bkpt 0xab"
+#elif defined(__thumb__)
+#define SMR_SEMIHOST_TRAP "svc 0xab"
+#else
+#define SMR_SEMIHOST_TRAP "svc 0x123456"
+#endif
+#define SMR_SEMIHOST_CHANGES , "lr" /* by a supervisor call */
+#endif
+
+#ifndef SMR_SEMIHOST_CHANGES
+#define SMR_SEMIHOST_CHANGES
 #endif
 
 uintptr_t smr_semihost_call(uintptr_t operation, const void *argument)
 {
     register uintptr_t number __asm__(SMR_SEMIHOST_NUMBER) = operation;
     register const void *block __asm__(SMR_SEMIHOST_BLOCK) = argument;
-    __asm__ volatile(SMR_SEMIHOST_TRAP : "+r"(number) : "r"(block) : "memory");
+    __asm__ volatile(SMR_SEMIHOST_TRAP : "+r"(number) : "r"(block) : "memory" SMR_SEMIHOST_CHANGES);
     return number;
 }
 

@@ -19,11 +19,19 @@ static float number_of_bits(uint32_t bits)
     return smr_float_of(at);
 }
 
-/* Returns 1 when the bits of each of the SMR_PROBES products a[i] * b[i] equal `bits`. */
+typedef float probes __attribute__((vector_size(4 * SMR_PROBES))); /* as lanes are (lanes.h) */
+
+/* Returns 1 when the bits of each of the SMR_PROBES products a[i] * b[i], also as lanes, equal `bits`. */
 static int products_are(const float *a, const float *b, uint32_t bits)
 {
     float product[SMR_PROBES];
+    probes left, right;
     int same = 1;
+    memcpy(&left, a, sizeof left);
+    memcpy(&right, b, sizeof right);
+    const volatile probes at_once = left * right; /* volatile: else compilers multiply one by one */
+    for (uint32_t i = 0; i < SMR_PROBES; i++)
+        same &= smr_float_bits(at_once[i]) == bits;
     for (uint32_t i = 0; i < SMR_PROBES; i++)
         product[i] = a[i] * b[i];
     for (uint32_t i = 0; i < SMR_PROBES; i++)

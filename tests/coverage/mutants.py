@@ -227,21 +227,22 @@ def main():
     bench = Bench(folder, programs, equivalents([site for path_line in sorted(sites) for site in sites[path_line]]))
     verdicts, survivors, start = collections.Counter(), [], processor_seconds()
     with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as threads:
-        drawn = draw(sites, int(count), int(seed))[int(os.environ.get("FIRST", "0")):]
-        tries = {threads.submit(bench.judge, site): site for site in drawn}
+        first = int(os.environ.get("FIRST", "0"))
+        drawn = draw(sites, int(count), int(seed))[first:]
+        tries = {threads.submit(bench.judge, site): number for number, site in enumerate(drawn, first + 1)}
         for done in concurrent.futures.as_completed(tries):
-            site, (verdict, killer) = tries[done], done.result()
+            site, (verdict, killer) = drawn[tries[done] - first - 1], done.result()
             verdicts[verdict] += 1
             if verdict == "survived":
                 survivors.append(site)
-            print(f"{sum(verdicts.values())}: {verdict} {killer}   {describe(site)}", flush=True)
+            print(f"{tries[done]}: {verdict} {killer}   {describe(site)}", flush=True)
     tried = verdicts["killed"] + verdicts["survived"]
     print(f"\nsurvivors, seed {seed}; not run: {' '.join(left_out) or 'no program'}")
     for site in sorted(survivors):
         print(describe(site))
     print(f"{tried} mutants: {verdicts['killed']} killed ({100 * verdicts['killed'] / max(tried, 1):.1f} %), "
           f"{verdicts['survived']} survived; besides {verdicts['equivalent']} equivalent, {verdicts['same']} of the same code, "
-          f"{verdicts['not compiled']} not compiled; {(processor_seconds() - start) / max(int(count), 1):.1f} s of the processor each")
+          f"{verdicts['not compiled']} not compiled; {(processor_seconds() - start) / max(sum(verdicts.values()), 1):.1f} s of the processor each")
 
 
 if __name__ == "__main__":
