@@ -85,6 +85,9 @@ _EXPECTED = {
     ("smr_set_surface", _E_ARENA): "the setting n_target_vertices is expected to hold all targets' vertices",
     ("smr_set_points", _E_ARENA): "the setting n_target_vertices is expected to hold all targets' points",
     ("smr_set_landmarks", _E_ARENA): "at most as many landmarks as the setting n_landmarks are expected",
+    ("smr_set_pose", _E_INPUT): "a pose of finite numbers that neither mirrors nor is singular is expected",
+    ("smr_set_positions", _E_INPUT): "finite positions within 100 m are expected",
+    ("smr_surface_build", _E_INPUT): "finite positions within 100 m, and triangles of the vertices' numbers, are expected",
     ("smr_set_volume", _E_STATE): "profiles are expected: Model.prepare(..., reference=the image of the model)",
     ("smr_save", _E_STATE): _COMPLETE,
     ("smr_save_begin", _E_STATE): _COMPLETE,
@@ -1457,6 +1460,8 @@ class Frame:
 
 def _next_target(frame: Any, before: Any) -> Union[Surface, Points]:
     """A frame's target. Positions alone are new ones of the surface before, or a cloud in place of the one before."""
+    if isinstance(frame, Mapping):
+        raise TypeError("track() follows one target of the whole model; for several: Registration(model, {...}, track=...)")
     if isinstance(frame, (Surface, Points)) or before is None or isinstance(frame, tuple):
         made = _as_target(frame)
         if isinstance(made, Volume):

@@ -153,8 +153,8 @@ def arrays(model, rest, triangles, now):
     refused("triangles of floats", TypeError, "whole numbers", smr.Surface, now, triangles.astype(float))
     refused("a negative index", smr.SmrError, "SMR_E_INPUT", smr.Surface, now, -triangles.astype(np.int64))
     refused("an index beyond the vertices", smr.SmrError, "smr_surface_build", smr.Surface, now[:9], triangles)
-    refused("a NaN", smr.SmrError, "out of range", smr.Surface, now * np.nan, triangles)
-    refused("1e300", smr.SmrError, "out of range", smr.Surface, now * 1e300, triangles)
+    refused("a NaN", smr.SmrError, "finite positions", smr.Surface, now * np.nan, triangles)
+    refused("1e300", smr.SmrError, "finite positions", smr.Surface, now * 1e300, triangles)
     refused("positions of another number", ValueError, "vertices", smr.Registration(model).set_positions, 0, now[1:])
 
 
@@ -185,6 +185,8 @@ def models(model, folder, now, triangles):
     refused("a damaged model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, damaged)
     refused("half a model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, bytes(model)[:1000])
     refused("no model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, b"")
+    refused("a pose that mirrors", smr.SmrError, "neither mirrors", again.set_pose, np.diag([-1, 1, 1, 1])[:3])
+    refused("frames of structures", TypeError, "one target", list, smr.track(model, [{"bone": now}]))
     refused("a structure that is not there", KeyError, "femur", model.mesh, "femur")
     refused("a structure's number that is not there", smr.SmrError, "no structure", model.mesh, 1)
     try:
@@ -430,6 +432,8 @@ def saves(model, now, triangles):
     check("one without its target awaits it", again.awaited == 1)
     refused("and does not tick", smr.SmrError, "SMR_E_STATE...1 of what...must be set again first: targets", again.tick)
     refused("is not judged", smr.SmrError, "SMR_E_STATE...must be set again first", again.verdict)
+    refused("a pose that mirrors", smr.SmrError, "neither mirrors", again.set_pose, np.diag([-1, 1, 1, 1])[:3])
+    refused("frames of structures", TypeError, "one target", list, smr.track(model, [{"bone": now}]))
     refused("a structure that is not there", smr.SmrError, "SMR_E_INPUT", again.positions, 9)
     refused("another target", smr.SmrError, "SMR_E_INPUT...had something else here", smr.Registration.restore, model,
             saved, (now + 1, triangles))
