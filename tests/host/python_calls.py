@@ -185,8 +185,6 @@ def models(model, folder, now, triangles):
     refused("a damaged model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, damaged)
     refused("half a model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, bytes(model)[:1000])
     refused("no model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, b"")
-    refused("a pose that mirrors", smr.SmrError, "neither mirrors", again.set_pose, np.diag([-1, 1, 1, 1])[:3])
-    refused("frames of structures", TypeError, "one target", list, smr.track(model, [{"bone": now}]))
     refused("a structure that is not there", KeyError, "femur", model.mesh, "femur")
     refused("a structure's number that is not there", smr.SmrError, "no structure", model.mesh, 1)
     try:
@@ -408,6 +406,8 @@ def refusals(model, rest, now, triangles):
         check("leaves the cloud as it was", len(cloud) == len(now))
     image_of = smr.Volume(np.zeros((3, 3, 3)), (1, 1, 1))
     refused("an image for one structure", ValueError, "is None", smr.register, model, {"bone": image_of})
+    refused("a pose that mirrors", smr.SmrError, "neither mirrors", smr.Registration(model).set_pose, -np.eye(4)[:3])
+    refused("frames of structures", TypeError, "one target", list, smr.track(model, [{"bone": now}]))
     refused("a start of both kinds", ValueError, "a Warp", smr.register, model, (now, triangles), align="rigid",
             start=smr.Warp(rest[::20], now[::20]))
 
@@ -432,8 +432,6 @@ def saves(model, now, triangles):
     check("one without its target awaits it", again.awaited == 1)
     refused("and does not tick", smr.SmrError, "SMR_E_STATE...1 of what...must be set again first: targets", again.tick)
     refused("is not judged", smr.SmrError, "SMR_E_STATE...must be set again first", again.verdict)
-    refused("a pose that mirrors", smr.SmrError, "neither mirrors", again.set_pose, np.diag([-1, 1, 1, 1])[:3])
-    refused("frames of structures", TypeError, "one target", list, smr.track(model, [{"bone": now}]))
     refused("a structure that is not there", smr.SmrError, "SMR_E_INPUT", again.positions, 9)
     refused("another target", smr.SmrError, "SMR_E_INPUT...had something else here", smr.Registration.restore, model,
             saved, (now + 1, triangles))
