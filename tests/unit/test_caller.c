@@ -103,6 +103,26 @@ TEST(test_goals)
     assert_int_equal(0, last.n_forces);
 }
 
+/* Where two vertices have goals, too few for a pose, it is that of all vertices; three give one by themselves. */
+TEST(test_pose_of_few)
+{
+    const smr_pose there = {{{0, 0, 1, 5}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
+    smr *s = start(1, SMR_CALLER_OFF, NULL);
+    float *weight = rig_alloc(ball.n_vertices * sizeof(float));
+    assert_int_equal(SMR_OK, smr_set_pose(s, &there));
+    const float *here = rig_positions(s, model);
+    memset(weight, 0, ball.n_vertices * sizeof *weight);
+    for (uint32_t n = 1; n <= 3u; n++) {
+        smr_pose pose;
+        float mm;
+        weight[30u * n] = 1.0f;
+        assert_int_equal(SMR_OK, smr_set_goals(s, 0, here, weight));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_OK, smr_get_pose(s, 0, &pose, &mm));
+        assert_true(mm >= 0.0f && mm < 0.01f && rig_far(&pose.m[0][0], &there.m[0][0], 4) < 0.01f);
+    }
+}
+
 /* The arrays stay the caller's, who may spoil them: such vertices have no goal, and nothing else changes. */
 TEST(test_spoilt_goals)
 {

@@ -123,6 +123,28 @@ TEST(images_have_radii_of_the_whole)
     assert_true(n[1][0] == n[0][0] + 1u && n[2][0] == n[0][0] + 2u);
 }
 
+/* What scratch memory holds beforehand does not matter: models of few points are the same, bit by bit. */
+TEST(scratch_does_not_matter)
+{
+    static _Alignas(SMR_ALIGN) unsigned char model[2][1u << 16];
+    const smr_prepare_config c = smr_prepare_config_default();
+    for (uint32_t n = 2; n < 40u; n++) {
+        unit_mesh m = rod(n, 300);
+        const smr_structure one = {"rod", unit_view(&m)};
+        size_t bytes[2], room;
+        assert_int_equal(SMR_OK, smr_prepare_bytes(&one, 1, &c, &room));
+        for (uint32_t k = 0; k < 2u; k++) {
+            void *const scratch = rig_rough(room);
+            memset(scratch, k ? 0x4b : 0, room); /* 0, or floats of 13 million */
+            assert_int_equal(SMR_OK, smr_prepare(&one, 1, &c, scratch, room, model[k], sizeof model[k], &bytes[k]));
+            rig_free(scratch);
+        }
+        assert_int_equal(bytes[0], bytes[1]);
+        assert_memory_equal(model[0], model[1], bytes[0]);
+        unit_mesh_free(&m);
+    }
+}
+
 /* Of a dense model the coarsest clusters are smaller. */
 TEST(clusters_have_a_limit)
 {

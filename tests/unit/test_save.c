@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <string.h>
+#include "base/save_fields.h"
 #include "log/record/log_format.h"
 #include "registration/api/setup.h"
 #include "unit/unit_save.h"
@@ -90,6 +91,20 @@ TEST(test_forged_heads)
         unit_save_seal(saved, head[i].bytes);
         assert_null(unit_save_restored(&u, saved, u.bytes + 4u, 0, &status));
         assert_int_equal(head[i].says, status);
+    }
+}
+
+/* Values beyond the end of a save are not read, and those before it are. */
+TEST(test_ends_within_values)
+{
+    const unsigned char from[12] = {1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0};
+    for (uint32_t n = 1; n <= 3u; n++) {
+        uint32_t value[3] = {7, 7, 7};
+        smr_keeper k = {.calls = &smr_keep_all, .mode = SMR_KEEP_RESTORE, .from = from, .bytes = 8};
+        smr_arena a = {.keeper = &k};
+        smr_keep_words(&a, value, n, 3);
+        assert_int_equal(n == 3u, k.wrong);
+        assert_true(k.at == (n == 3u ? 0u : 4u * n) && value[0] == (n == 3u ? 7u : 1u) && value[2] == 7u);
     }
 }
 

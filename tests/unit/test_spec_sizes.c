@@ -25,6 +25,7 @@ static char spec[SECTION];                               /* the arena's and the 
 static int misses;                                       /* all are told, not the first alone */
 static uint32_t n_landmarks, caller_goals, caller_force; /* of the next arena's configuration */
 static float volume, smooth;
+static uint32_t n_shapes; /* of further subjects, of the next model */
 static uint32_t contact, n_fixed;
 
 /* A section of the document; its tables are for 64-bit hosts without room between slots. */
@@ -117,6 +118,8 @@ static double arena_of(const smr_structure *structure, uint32_t ns, const smr_co
     size_t bytes = 0, scratch_bytes = 0, arena_bytes = 0;
     prepare.n_radii = 1;
     prepare.radius_mm[0] = 12.0f;
+    const smr_subjects also = {structure->mesh.xyz, n_shapes};
+    prepare.also = &also;
     assert_int_equal(smr_prepare_bytes(structure, ns, &prepare, &scratch_bytes), SMR_OK);
     void *const scratch = aligned_alloc(SMR_ALIGN, (scratch_bytes + 63u) & ~(size_t)63u);
     assert_non_null(scratch);
@@ -234,6 +237,10 @@ TEST(settings_are_as_stated)
     smooth = 1.0f;
     agrees("smoothing", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / N, rows(section, "vertex, smoothing"));
     smooth = 0.0f;
+    n_shapes = 1;
+    agrees("a shape of a further subject", arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least,
+           rows(section, "registration, references"));
+    n_shapes = 0;
     n_fixed = 64;
     agrees("64 fixed surfaces", arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least, 64.0 * rows(section, "fixed surface"));
     n_fixed = 0;

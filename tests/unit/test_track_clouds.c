@@ -64,6 +64,24 @@ static smr_mesh jumped(const scene *e, smr_vec way)
     return rig_moved(&e->bone, turn, shift);
 }
 
+/* The side that a cloud shows is the sum of the normals of visible vertices among those that take part. */
+TEST(test_side_of_those_that_take_part)
+{
+    const scene e = make(SMR_TRACK_REPORT);
+    smr *const s = at_rest(&e);
+    smr_surface_goals *const g = &s->forces.surface;
+    smr_vec sum = {0, 0, 0};
+    uint32_t n = 50;
+    while (g->visibility[n] <= SMR_VISIBLE_ONE / 2u)
+        n++;
+    for (uint32_t v = 0; v < n; v++)
+        sum = smr_add(sum, g->visibility[v] > SMR_VISIBLE_ONE / 2u ? smr_get3(s->shape.normal, v) : smr_v(0, 0, 0));
+    s->schedule.n_active = n;
+    g->clouds->view(g);
+    const smr_vec view = smr_scale(g->target[0].view, (float)g->target[0].n_visible);
+    assert_true(smr_length(sum) > 1.0f && smr_length(smr_sub(view, sum)) < 0.001f * smr_length(sum));
+}
+
 /* A camera goes round a bone that lies still, a tick a step; then the bone jumps away from it. */
 TEST(test_camera_goes_round)
 {
