@@ -1,5 +1,5 @@
-/* test_mesh.c: validation of meshes, normals and areas, closed meshes. Accuracy against double precision: vertex normals
- * 2e-6 in each component, areas 2e-6 relative.
+/* test_mesh.c: validation of meshes, normals and areas, closed meshes. Accuracy against double precision: vertex
+ * normals 2e-6 in each component, areas 2e-6 relative.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>

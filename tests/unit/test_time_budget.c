@@ -125,8 +125,8 @@ TEST(test_several_ticks)
     assert_true(smr_budget_ahead(s, 0, SMR_WORK_MOST) == 0u); /* nothing is left */
 }
 
-/* Cluster sums are predicted to take as long in many tasks as in few; the time of a step of equal tasks grows with them,
- * and also does not depend on how many vertices are active. */
+/* Cluster sums, and steps over the active vertices, are predicted to take as long in many tasks as in few; other steps
+ * take longer the more tasks they have. */
 TEST(test_what_times_are_of)
 {
     set_up();
