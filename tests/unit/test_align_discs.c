@@ -1,5 +1,6 @@
 /* test_align_discs.c: pairs with discs are those of a search through all discs, from any pose, at any scale, in pieces,
- * with the pairs before as a guide, with fewer samples than discs, and none is farther than the range.
+ * with the pairs before as a guide, with fewer samples than discs, and none is farther than the range; where the region
+ * of a part ends.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 
@@ -148,4 +149,13 @@ TEST(turns_about_a_joint)
         assert_true(smr_length(smr_sub(at, had)) < 1.0e-3f);
         assert_int_equal(number == middle, memcmp(&to.pose, &search.given, sizeof to.pose) == 0);
     }
+}
+
+/* The region of a target that a part shares holds points up to the part's reach, that distance included. */
+TEST(a_region_ends_at_the_reach)
+{
+    const smr_align_mask mask = {.centre = smr_v(1, 2, 3), .reach2 = 25.0f};
+    const smr_vec up = smr_v(0, 0, 1);
+    assert_true(smr_mask_holds(&mask, NULL, smr_v(4, 6, 3), up) && smr_mask_holds(&mask, NULL, mask.centre, up));
+    assert_false(smr_mask_holds(&mask, NULL, smr_v(4, 6.001f, 3), up));
 }

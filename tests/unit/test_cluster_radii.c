@@ -73,7 +73,7 @@ TEST(scale_and_place_do_not_matter)
     unit_mesh m = unit_bone(0);
     const smr_model_info was = info_of(&m);
     for (int i = 0; i < 3; i++) {
-        const float scale = i == 0 ? 0.25f : (i == 1 ? 8.0f : 1.0f), shift = i == 2 ? 512.0f : 0.0f;
+        const float scale = i == 0 ? 0.03125f : (i == 1 ? 8.0f : 1.0f), shift = i == 2 ? 512.0f : 0.0f;
         unit_mesh other = unit_mesh_new(m.nv, m.nt);
         memcpy(other.triangles, m.triangles, 12u * (size_t)m.nt);
         for (uint32_t k = 0; k < 3u * m.nv; k++)

@@ -4,7 +4,6 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
-#include "geometry/surface/mesh.h"
 #include "geometry/surface/surface.h"
 #include "registration/registration.h"
 
@@ -58,18 +57,6 @@ TEST(test_sides)
         wrong += (side < 0.0f) != in && fabsf(side) > 1.0e-3f;
     }
     assert_int_equal(0, wrong);
-}
-
-TEST(test_closed)
-{
-    const smr_mesh ball = rig_ball(20, 6, 10, none);
-    uint32_t *turned = rig_alloc(12u * (size_t)ball.n_triangles);
-    memcpy(turned, ball.triangles, 12u * (size_t)ball.n_triangles);
-    assert_true(smr_mesh_edges(turned, ball.n_triangles) == 0u);
-    assert_true(smr_mesh_edges(turned, ball.n_triangles - 1u) != 0u);
-    turned[0] = ball.triangles[1];
-    turned[1] = ball.triangles[0];
-    assert_true(smr_mesh_edges(turned, ball.n_triangles) != 0u);
 }
 
 /* Lines between two others cross a surface within their extent; a line found as far as `most` has all crossings up to
@@ -209,6 +196,19 @@ TEST(test_parted)
     }
     assert_true(r[0].deepest_mm > 4.0f && r[1].deepest_mm < 0.4f);
     assert_true(r[1].volume_mm3 < 0.05f * r[0].volume_mm3);
+}
+
+/* A small share parts bodies bit by bit. */
+TEST(test_share)
+{
+    smr *s = start(2, 0.25f, 0, NULL);
+    (void)rig_run(s, 3);
+    for (uint32_t i = 0; i < 2u; i++) {
+        const smr_mesh a = result_of(s, 0), b = result_of(s, 1);
+        const float deep = between(&a, &b).deepest_mm;
+        assert_true(i == 0u ? deep > 0.8f && deep < 4.0f : deep < 0.2f);
+        (void)rig_run(s, 8);
+    }
 }
 
 /* Two flat bodies pressed onto each other: the upper one is drawn 20 mm along and 2 mm into the lower one. */

@@ -1,8 +1,9 @@
-/* test_mesh.c: validation of meshes, normals and areas. Accuracy against double precision: vertex normals 2e-6 in
- * each component, areas 2e-6 relative.
+/* test_mesh.c: validation of meshes, normals and areas, closed meshes. Accuracy against double precision: vertex
+ * normals 2e-6 in each component, areas 2e-6 relative.
  * SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include <math.h>
+#include <string.h>
 #include "geometry/surface/mesh.h"
 #include "unit_mesh.h"
 
@@ -105,4 +106,18 @@ TEST(vertices_without_area)
     for (int i = 0; i < 5; i++)
         assert_true(area[i] == 0.0f);
     smr_mesh_normals(&m, normal, NULL);
+}
+
+/* A mesh is closed unless a triangle is missing or turned over. */
+TEST(closed_or_not)
+{
+    static const float none[3] = {0, 0, 0};
+    const smr_mesh ball = rig_ball(20, 6, 10, none);
+    uint32_t *turned = rig_alloc(12u * (size_t)ball.n_triangles);
+    memcpy(turned, ball.triangles, 12u * (size_t)ball.n_triangles);
+    assert_true(smr_mesh_edges(turned, ball.n_triangles) == 0u);
+    assert_true(smr_mesh_edges(turned, ball.n_triangles - 1u) != 0u);
+    turned[0] = ball.triangles[1];
+    turned[1] = ball.triangles[0];
+    assert_true(smr_mesh_edges(turned, ball.n_triangles) != 0u);
 }

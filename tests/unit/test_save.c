@@ -236,6 +236,27 @@ TEST(test_every_byte)
     assert_true(info.bytes == u.bytes);
 }
 
+/* A save with a setting out of range is refused as such a configuration is, whichever setting it is. */
+TEST(test_every_setting)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES];
+    const size_t end = SMR_SAVED_FIXED + 4u * (size_t)smr_log_get32(u.saved + 4u * SMR_SAVED_AT_CONFIG_WORDS);
+    uint32_t n = 0;
+    for (size_t at = SMR_SAVED_FIXED; at < end; at += 4u + 4u * (size_t)(smr_log_get32(u.saved + at) >> 16)) {
+        smr_saved_info info;
+        size_t bytes;
+        memcpy(saved, u.saved, u.bytes);
+        smr_log_put32(saved + at + 4u, UINT32_MAX); /* no number, or too many */
+        unit_save_seal(saved, u.bytes);
+        assert_int_equal(SMR_OK, smr_save_info(saved, u.bytes, &info));
+        if (smr_arena_bytes(u.model, &info.config, &bytes) == SMR_OK)
+            continue;
+        refused(SMR_E_CONFIG, u.model, NULL, NULL, saved, u.bytes);
+        n++;
+    }
+    assert_true(n > 60u);
+}
+
 TEST(test_others_refused)
 {
     const smr_prepare_config radii = rig_radii(2, 40.0f, 15.0f, 0.0f);

@@ -137,6 +137,22 @@ TEST(test_masses_change_under_way)
     assert_true(rig_energy(s).kinetic_uj > 8.0f * now.kinetic_uj);
 }
 
+/* A bone that nothing pins, thrown so that it bends, stores as elastic energy most of what it loses of its motion. */
+TEST(test_a_loose_one_stores_energy)
+{
+    set_up();
+    e.config.dynamics.damping = 0.0f;
+    e.config.dynamics.step_ms = 1.0f;
+    e.config.basic.method = SMR_METHOD_POLAR;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    rig_throw(&e, &bone, rig_energy(s).centre, 0.0f, 500.0f);
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, e.speed));
+    const float first = rig_energy(s).kinetic_uj;
+    rig_steps(s, 10);
+    const smr_energy now = rig_energy(s);
+    assert_true(now.elastic_uj > 0.7f * (first - now.kinetic_uj) && now.kinetic_uj < 0.95f * first);
+}
+
 /* Where a ball that hangs on its pole is after 60 steps, with another beside it that flies by, or rests. */
 static float swung(float loose_mass, float loose_speed)
 {

@@ -125,6 +125,25 @@ TEST(test_several_ticks)
     assert_true(smr_budget_ahead(s, 0, SMR_WORK_MOST) == 0u); /* nothing is left */
 }
 
+/* Cluster sums, and steps over the active vertices, are predicted to take as long in many tasks as in few; other steps
+ * take longer the more tasks they have. */
+TEST(test_what_times_are_of)
+{
+    set_up();
+    rig_clock clock;
+    smr *s = start(&clock, STEP_NS);
+    smr_budget_start(s);
+    s->budget.pace = 1.0e6f;
+    for (s->step = 0; s->step < smr_n_steps; s->step++) {
+        const uint32_t work = smr_steps[s->step].work, factor = work == SMR_WORK_TASKS ? 3u : 1u;
+        s->budget.spent = 1000000u;
+        smr_budget_learn(s, 4);
+        const uint64_t few = smr_budget_ahead(s, 4, SMR_WORK_MOST), many = smr_budget_ahead(s, 12, SMR_WORK_MOST);
+        assert_true(work == SMR_WORK_FOLDS || (few > 999000u && few < 1001000u));
+        assert_true(many + 1000u > factor * few && many < factor * few + 1000u);
+    }
+}
+
 TEST(test_nothing_is_left_out_at_the_end)
 {
     set_up();

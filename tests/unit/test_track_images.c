@@ -176,3 +176,19 @@ TEST(test_starts_over)
     assert_int_equal(1, until_settled(s).details.tracking);
     assert_true(off_ball(s, &e, 1) < 0.8f);
 }
+
+/* Each image that is set counts as a target: the verdict waits until positions follow it, and ticks tell its number. */
+TEST(test_each_image_counts)
+{
+    const scene e = make(SMR_TRACK_REPORT);
+    smr_verdict verdict;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    for (uint32_t i = 0; i < 2u; i++) {
+        assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[i]));
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
+        assert_true((verdict.reasons & SMR_REASON_RECOVERING) != 0u && verdict.level != SMR_VERDICT_GOOD);
+        assert_int_equal(i + 1u, until_settled(s).details.target_serial);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
+        assert_int_equal(0, verdict.reasons & SMR_REASON_RECOVERING);
+    }
+}
