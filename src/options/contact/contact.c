@@ -124,10 +124,7 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
     if (surface != NULL)
         c->fixed[index] =
             (smr_fixed_surface){surface, surface->n_vertices, surface->changes, smr_surface_guard(surface), 0};
-    if (c->touch == NULL)
-        return;
-    place_box(c, c->shared->n_structures + index);
-    for (uint32_t v = 0; v < c->shared->n; v++)
+    for (uint32_t v = 0; v < c->shared->n && c->touch != NULL; v++)
         c->reach[v] = SMR_REACH_UNKNOWN;
 }
 
