@@ -13,19 +13,20 @@
 
 /* ---- memory and checksums */
 
-static _Alignas(SMR_ALIGN) unsigned char pool[96u << 20];
-static size_t kept, used; /* bytes for all lines, and for this one, too */
+static void *room[512];
+static uint32_t kept, n_rooms; /* rooms for all lines, and for this one, too */
 
 void *answers_room(size_t bytes)
 {
-    void *const at = pool + used;
-    used += (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
-    answers_need(used <= sizeof pool, "room");
-    memset(at, 0, bytes);
+    const size_t whole = (bytes + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN;
+    answers_need(n_rooms < sizeof room / sizeof room[0], "rooms");
+    void *const at = room[n_rooms++] = aligned_alloc(SMR_ALIGN, whole);
+    answers_need(at != NULL, "memory");
+    memset(at, 0, whole);
     return at;
 }
 
-void answers_keep(void) { kept = used; }
+void answers_keep(void) { kept = n_rooms; }
 
 void answers_need(int holds, const char *what)
 {
@@ -78,7 +79,8 @@ void answers_begin(const char *name)
 void answers_end(void)
 {
     printf("\n");
-    used = kept;
+    while (n_rooms > kept)
+        free(room[--n_rooms]);
 }
 
 /* ---- targets: what is left of a mesh, and moved */

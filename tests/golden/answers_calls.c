@@ -197,11 +197,11 @@ static void records(const smr_mesh mesh[2])
     size_t bytes = 0;
     config.basic.n_target_vertices = 2000;
     config.track.mode = SMR_TRACK_RECOVER;
+    answers_begin("records");
     const smr_model *const model = answers_model(&one, 1, &prepare);
+    answers_say("model");
     smr *const s = answers_init(model, &config);
     smr_points *const points = answers_points(&mesh[1], 1, 0);
-    answers_begin("records");
-    answers_say("model");
     answers_need(smr_set_log(s, log, ROOM) == SMR_OK && smr_set_points(s, SMR_ALL, points) == SMR_OK, "log");
     for (uint32_t tick = 0; tick < 12u; tick++) {
         answers_need(smr_points_add(points, mesh[1].xyz + 90u * tick, NULL, NULL, 30) == SMR_OK, "add");

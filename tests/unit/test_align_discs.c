@@ -135,7 +135,7 @@ TEST(fewer_samples) { run(2, 37); }
 TEST(turns_about_a_joint)
 {
     static const smr_aligner a;
-    static const smr_coarse c = {.limit = 1.0f};
+    static smr_coarse c = {.limit = 1.0f}; /* without samples of the target */
     static const smr_coarse_search search = {.scale = 1.0f,
                                              .n_shifts = 1,
                                              .jointed = 1,
@@ -143,6 +143,10 @@ TEST(turns_about_a_joint)
                                              .joint = {30, -20, 10}};
     static smr_coarse_place to;
     const uint32_t middle = SMR_JOINT_STEPS * SMR_JOINT_STEPS * SMR_JOINT_STEPS / 2u;
+    for (uint32_t i = 0; i < 3u * SMR_COARSE_BLOCKS; i++) {
+        smr_node *const block = &c.block[i / 3u / SMR_TREE_WIDTH];
+        block->lo[i % 3u][i / 3u % SMR_TREE_WIDTH] = block->hi[i % 3u][i / 3u % SMR_TREE_WIDTH] = SMR_FAR;
+    }
     for (uint32_t number = 0; number <= middle; number++) {
         smr_align_try(&a, &c, &search, number, 0, &to);
         const smr_vec at = smr_pose_apply(&to.pose, search.joint), had = smr_pose_apply(&search.given, search.joint);
