@@ -4,6 +4,7 @@
 #include "suite.h"
 #include <math.h>
 #include <string.h>
+#include "property/rig_ball_image.h"
 #include "property/rig_motion.h"
 #include "options/dynamics/dynamics.h"
 #include "registration/registration.h"
@@ -281,4 +282,23 @@ TEST(test_many_structures)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     for (uint32_t v = 0; v < s->shared.n; v++)
         assert_true(d->members[v] > 1.0f && fabsf(d->members[v] * s->reference.share[v] - 1.0f) < 1.0e-5f);
+}
+
+/* Where an image that has drawn the model is taken away, the model is at rest in the shape that it has by then. */
+TEST(test_rests_without_its_image)
+{
+    const smr_volume own = rig_ball_image(RIG_BALL_MM, rig_nowhere), larger = rig_ball_image(34, rig_nowhere);
+    e.model = rig_ball_model(&own);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    const uint32_t n = s->shared.n;
+    const float *const first = rig_positions(s, e.model);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &larger));
+    rig_steps(s, 5);
+    const float *const drawn = rig_positions(s, e.model);
+    assert_int_equal(SMR_OK, smr_set_volume(s, NULL));
+    assert_true(rig_far(first, drawn, n) > 1.0f);
+    for (uint32_t i = 0; i < 2u * SMR_SWEEPS; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_true(rig_far(drawn, rig_positions(s, e.model), n) < 1.0e-3f);
+    }
 }

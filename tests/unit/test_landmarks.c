@@ -350,3 +350,23 @@ TEST(test_expected_with_many)
         assert_memory_not_equal(mm[0], mm[1], ball[0].n_vertices * sizeof(float));
     }
 }
+
+/* A new start forgets by how far a hard landmark was missed: the run is as the first. */
+TEST(test_new_start_forgets_misses)
+{
+    const smr_prepare_config radii = rig_radii(1, 30, 0, 0);
+    const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const smr_config config = config_of(N);
+    uint64_t hash[2];
+    smr_landmark mark[N];
+    (void)start(0, NULL); /* the balls */
+    smr *s = rig_init(rig_model(ball, 1, &radii), &config, NULL);
+    marks(mark, 1);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
+    for (uint32_t i = 0; i < 2u; i++) {
+        assert_int_equal(SMR_OK, smr_set_pose(s, &same));
+        (void)rig_run(s, 10);
+        hash[i] = smr_state_hash(s);
+    }
+    assert_true(hash[0] == hash[1]);
+}

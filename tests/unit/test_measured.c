@@ -285,3 +285,21 @@ TEST(test_after_the_end_of_a_log)
     assert_true(bytes <= sizeof one && smr_state_hash(s) == smr_state_hash(twin));
     assert_memory_equal(one, other, bytes);
 }
+
+/* How a structure has moved since the start is told of itself, not of all structures together. */
+TEST(test_motion_of_a_structure)
+{
+    const smr_surface *goal[2], *far;
+    smr *s = start(NULL, goal, &far);
+    smr_verdict v;
+    float m[9];
+    rig_rotation(0, 0, 1, 30, m);
+    for (uint32_t i = 0; i < s->shared.n; i++)
+        if (smr_model_owner(s->shared.model, i) == 1u)
+            smr_put3(s->shape.x, i, smr_scale(smr_mul(m, smr_get3(s->shape.start, i)), 1.5f));
+    smr_guard_close(s);
+    for (uint32_t i = 0; i < 2u; i++) {
+        assert_int_equal(SMR_OK, smr_get_verdict(s, i, &v));
+        assert_true(fabsf(v.turned_deg - 30.0f * (float)i) < 0.1f && fabsf(v.scale - (i ? 1.5f : 1.0f)) < 1.0e-3f);
+    }
+}

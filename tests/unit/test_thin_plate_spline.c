@@ -118,6 +118,25 @@ TEST(solves_hard_equations)
     assert_int_equal(smr_system_solve(&s), 0);
 }
 
+/* Equations with a condition number of 8e5: the last correction, too, is needed for the last digits of a float. */
+TEST(solves_equations_that_need_all_corrections)
+{
+    static const int row[4][4] = {
+        {-381, -718, 650, 469}, {-871, 935, 435, -397}, {-941, -583, 126, -964}, {-451, -2235, 341, -98}};
+    static const int want[12] = {-4, -1, 5, 1, 3, 5, 5, 2, 5, 5, -3, 4};
+    float a[16], b[12] = {0}, x[12], lu[16], rest[12];
+    uint32_t pivot[4];
+    const smr_system s = {4, a, b, x, lu, rest, pivot};
+    for (int i = 0; i < 16; i++) {
+        a[i] = (float)row[i / 4][i % 4] / 4096.0f;
+        for (int c = 0; c < 3; c++) /* exact: integers / 4096 */
+            b[3 * (i / 4) + c] += a[i] * (float)want[3 * (i % 4) + c];
+    }
+    assert_int_equal(smr_system_solve(&s), 1);
+    for (int i = 0; i < 12; i++)
+        assert_true(fabs((double)x[i] - want[i]) < 5e-7);
+}
+
 /* The warp does not depend on what lay in memory, nor do carried points on their company. */
 TEST(repeats_bit_for_bit)
 {

@@ -144,6 +144,48 @@ TEST(test_what_times_are_of)
     }
 }
 
+/* One long time among short ones raises what is predicted by half, or by half of a sixteenth of an iteration. */
+TEST(test_one_long_time)
+{
+    set_up();
+    rig_clock clock;
+    smr *s = start(&clock, STEP_NS);
+    for (uint32_t i = 0; i < 2u; i++) {
+        const uint64_t want = i == 0u ? 1500000u : 6000000u;
+        smr_budget_start(s);
+        s->budget.pace = 1.0e6f;
+        s->budget.whole = i == 0u ? 0.0f : 1.6e8f;
+        for (s->step = 0; s->step < smr_n_steps; s->step++) {
+            for (uint64_t spent = 1000000u; spent <= 1000000000u; spent *= 1000u) {
+                s->budget.spent = spent;
+                smr_budget_learn(s, 4);
+            }
+            const uint64_t ahead = smr_budget_ahead(s, 4, SMR_WORK_MOST);
+            assert_true(smr_steps[s->step].work == SMR_WORK_FOLDS || (ahead > want - 2000u && ahead < want + 2000u));
+        }
+    }
+}
+
+/* Vertices for which there was time, those of 15 us but at least 16, are searched without another look at the time
+ * that is left; the look comes right after them. */
+TEST(test_looks_at_the_time)
+{
+    set_up();
+    rig_clock clock;
+    smr *s = start(&clock, STEP_NS);
+    for (s->step = 0; !smr_seeks_forces(&smr_steps[s->step]); s->step++) {
+    }
+    for (uint32_t i = 0; i < 2u; i++) {
+        const uint32_t first = s->schedule.lists.active_min + 100u * i;
+        uint32_t more = 1;
+        s->budget.rate[s->step] = i == 0u ? 5000.0f : 500.0f; /* ns a vertex */
+        assert_int_equal(0, smr_budget_reached(s, UINT64_MAX, first));
+        while (more < 100u && !smr_budget_reached(s, 0, first + more))
+            more++;
+        assert_int_equal(i == 0u ? 16u : 30u, more);
+    }
+}
+
 TEST(test_nothing_is_left_out_at_the_end)
 {
     set_up();

@@ -147,6 +147,24 @@ TEST(test_jumps)
     }
 }
 
+/* A near target that comes while the model recovers from a jump is followed at the radius of tracking from then on. */
+TEST(test_recovery_ends_with_a_target)
+{
+    scene e = make(SMR_TRACK_RECOVER);
+    e.config.track.jump_mm = 8.0f;
+    smr *s = started(&e, NULL);
+    const uint32_t radius = s->schedule.radius;
+    smr_tick_report r;
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, e.at[2]));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_true(r.details.recovering && radius > 0u);
+    for (uint32_t i = 0; i < 2u; i++) {
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, e.at[i]));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+        assert_true(!r.details.recovering && r.details.radius == radius && s->schedule.radius == radius);
+    }
+}
+
 /* The places of a mesh whose normals lie within 78 degrees of the x axis. */
 static void see_front(smr_points *cloud, const smr_mesh *mesh)
 {
