@@ -41,7 +41,7 @@ smr *answers_init(const smr_model *model, const smr_config *config);
 /* Adds everything that a registration answers to the line. */
 void answers_of(smr *s, const smr_model *model, const smr_tick_report *report);
 
-/* Lines of calls beside registrations, of a bone and a deformed one (answers_calls.c). */
-void answers_calls(const smr_mesh bone[2]);
+/* Lines of calls beside registrations, of a bone and a deformed one (answers_calls.c); not all: the quick ones. */
+void answers_calls(const smr_mesh bone[2], int all);
 
 #endif

@@ -217,11 +217,13 @@ static void records(const smr_mesh mesh[2])
     answers_end();
 }
 
-void answers_calls(const smr_mesh bone[2])
+void answers_calls(const smr_mesh bone[2], int all)
 {
-    starts(bone);
     maps(bone);
     surfaces(bone);
-    models(bone);
     records(bone);
+    if (!all)
+        return;
+    models(bone);
+    starts(bone);
 }

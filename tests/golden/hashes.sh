@@ -60,10 +60,11 @@ cross() { # name, compiler prefix, qemu, package of the C library, more flags
     for part in $all_of; do compile "$1" "$2" "$part" CC="$2-gcc" AR="$2-ar" CFLAGS="-O2 $5" LDFLAGS=-static || return; done
     row "$1" "$("$3" "$build/$2/golden" $run)"
     [ "$all_of" = golden ] && return
-    said=$("$3" "$build/$2/answers" | diff - tests/golden/answers.txt) || row "$1" "FAILED: answers: $(echo "$said" | tr '\n\t' '  ')"
+    "$3" "$build/$2/answers" few >"$build/answers" || echo "ended with $?" >>"$build/answers"
+    said=$(grep -vxFf tests/golden/answers.txt "$build/answers") && row "$1" "FAILED: answers: $(echo "$said" | tr '\n\t' '  ')"
 }
 
-# The whole run, whose saves must be this machine's, and which goes on from those; and all answers. Strict C11 would evaluate floats in double there.
+# The whole run, whose saves must be this machine's, and which goes on from those; and some answers. Strict C11 would evaluate floats in double there.
 big_endian() {
     run="restores $build/saves" all_of='golden answers'
     cross 's390x, big-endian (qemu-user)' s390x-linux-gnu qemu-s390x libc6-dev-s390x-cross -fexcess-precision=fast
