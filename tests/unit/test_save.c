@@ -124,6 +124,24 @@ TEST(test_forged_repair)
     }
 }
 
+/* A configuration that says in another way that nothing attracts is the one that was saved. */
+TEST(test_no_attraction_in_two_ways)
+{
+    smr_config config = u.config;
+    size_t saved, bytes;
+    smr *s;
+    config.basic.attract = 0;
+    config.basic.n_target_vertices = 500;
+    const smr *const first = rig_init(u.model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_save_bytes(first, &saved));
+    void *const memory = rig_alloc(saved);
+    assert_int_equal(SMR_OK, smr_save(first, memory, saved));
+    assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &config, &bytes));
+    assert_int_equal(SMR_OK, smr_restore(u.model, &config, NULL, memory, saved, rig_alloc(bytes), bytes, &s));
+    config.basic.attract = 1;
+    assert_int_equal(SMR_E_CONFIG, smr_restore(u.model, &config, NULL, memory, saved, rig_alloc(bytes), bytes, &s));
+}
+
 /* The macro is a bound, and not far off. */
 TEST(test_macro)
 {
