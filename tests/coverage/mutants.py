@@ -7,7 +7,7 @@ Draws N faults: a line of src/**.c that some test runs, then a kind that the lin
 file lies in BUILD/mutants and goes before the library when a program of BUILD is linked, so one file is compiled and
 the tree stays as it is. Only the programs that run the line are tried, until one fails. A fault that changes no byte of
 the object file is `same`: no test can find it. A program that needs far more processor time than before has failed.
-tests/coverage/equivalent.txt lists faults that change no result, with the reason, and these are not tried.
+tests/coverage/equivalent.txt lists faults that change no promised result, and why; these are not tried.
 Ends with the survivors. SLOWEST=S leaves out programs that took longer than S seconds in coverage.py; JOBS=J tries J
 faults at once, 1 by default; FIRST=F leaves out the first F faults, to go on with a campaign.
 """

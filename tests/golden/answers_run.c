@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "answers.h"
 #include "fixture_bone.h"
-#include "fixture_thigh.h"
+#include "fixture_volume.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -37,13 +37,7 @@ static smr_volume draw(const fixture_thigh *all, const fixture_pose *pose, const
     unsigned char *const voxels = answers_room(48u * 48u * 48u);
     answers_need(box->n[0] <= 48u && box->n[1] <= 48u && box->n[0] * box->n[1] * box->n[2] <= 48u * 48u * 48u, "box");
     fixture_thigh_slices(all, pose, box, voxels, answers_room(sizeof(float[FIXTURE_IMAGE_SCRATCH(48, 48)])));
-    return (smr_volume){voxels,
-                        NULL,
-                        SMR_VOXEL_UINT8,
-                        {box->n[0], box->n[1], box->n[2]},
-                        {box->low[0], box->low[1], box->low[2]},
-                        {box->spacing[0], box->spacing[1], box->spacing[2]},
-                        {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    return fixture_volume(box, voxels);
 }
 
 static void make_thigh(void)

@@ -1,6 +1,6 @@
 /* golden_images.c: golden runs into an image: two structures of the computed thigh.
  * SPDX-License-Identifier: MIT */
-#include "fixture_thigh.h"
+#include "fixture_volume.h"
 #include "golden.h"
 
 /* Two structures of the computed thigh in a coarse image, and a patient's. */
@@ -16,17 +16,10 @@ static smr_volume golden_volumes[2]; /* the model's image and the patient's; dra
 
 static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
 {
-    const smr_volume plain = {voxels,
-                              NULL,
-                              SMR_VOXEL_UINT8,
-                              {box->n[0], box->n[1], box->n[2]},
-                              {box->low[0], box->low[1], box->low[2]},
-                              {box->spacing[0], box->spacing[1], box->spacing[2]},
-                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS)
         return golden_ok("volume", SMR_E_ARENA);
     fixture_thigh_slices(&golden_thigh, pose, box, voxels, golden_slice);
-    *volume = plain;
+    *volume = fixture_volume(box, voxels);
     return 1;
 }
 

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 #include "fixture_bone.h"
-#include "fixture_thigh.h"
+#include "fixture_volume.h"
 
 #define TARGET_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
 #define TARGET_PARTS 2u
@@ -89,19 +89,12 @@ static int target_bone(target_scene *scene)
 static int target_volume(uint32_t i, const fixture_pose *pose, const fixture_box *box, smr_volume *volume)
 {
     static int drawn[2];
-    const smr_volume plain = {target_voxels[i],
-                              NULL,
-                              SMR_VOXEL_UINT8,
-                              {box->n[0], box->n[1], box->n[2]},
-                              {box->low[0], box->low[1], box->low[2]},
-                              {box->spacing[0], box->spacing[1], box->spacing[2]},
-                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS)
         return 0;
     if (!drawn[i])
         fixture_thigh_slices(&target_thigh, pose, box, target_voxels[i], target_slice);
     drawn[i] = 1;
-    *volume = plain;
+    *volume = fixture_volume(box, target_voxels[i]);
     return 1;
 }
 

@@ -109,7 +109,7 @@ typedef struct smr_volumes {
     const smr_shape *shape; /* shape whose x_next volume corrections change */
     const uint32_t *sum;    /* [n][SMR_WORDS] memory of the sums, in which the next normals lie */
     smr_kept_volume *kept;  /* [n_structures] volume of each structure; NULL: config.contact.volume is 0 */
-    uint32_t pending;       /* 1: a volume that the current iteration corrects to is not yet the caller's */
+    uint32_t pending;       /* 1: the last iteration corrected a volume to a step before the one asked for */
 } smr_volumes;
 
 static inline int smr_volumes_used(const smr_volumes *v) { return SMR_HAS_CONTACT && v->kept != NULL; }
