@@ -77,6 +77,9 @@ TEST(test_side_of_those_that_take_part)
     for (uint32_t v = 0; v < n; v++)
         sum = smr_add(sum, g->visibility[v] > SMR_VISIBLE_ONE / 2u ? smr_get3(s->shape.normal, v) : smr_v(0, 0, 0));
     s->schedule.n_active = n;
+    for (uint32_t task = 0; task < smr_visibility_tasks(g); task++)
+        smr_visibility_count(g, task, 0);
+    smr_visibility_commit(g);
     g->clouds->view(g);
     const smr_vec view = smr_scale(g->target[0].view, (float)g->target[0].n_visible);
     assert_true(smr_length(sum) > 1.0f && smr_length(smr_sub(view, sum)) < 0.001f * smr_length(sum));

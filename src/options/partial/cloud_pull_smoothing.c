@@ -258,15 +258,15 @@ static void compare_pulls(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 static int cloud_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement, float *residual)
 {
     const smr_vec p = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
-    const float *s = g->spread + 4u * (size_t)v;
+    const float weight = g->spread[4u * (size_t)v + 3u];
     g->warm_next[v] = SMR_NONE;
-    if (!(s[3] > 0.0f) || smr_reject_outside(&g->shared->config, p))
+    if (!(weight > 0.0f) || smr_reject_outside(&g->shared->config, p))
         return 0;
-    const smr_vec goal = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    const smr_vec goal = smr_points_goal(g, v);
     *residual = smr_length(goal);
     *displacement = smr_scale(goal, g->target[smr_model_owner(g->shared->model, v)].share);
     if (g->visibility != NULL)
-        smr_visibility_judge_points(g, v, s[3]);
+        smr_visibility_judge_points(g, v, weight);
     return 1;
 }
 

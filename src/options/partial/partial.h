@@ -31,7 +31,7 @@ int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure);
 void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                           smr_vec displacement);
 void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight);
-void smr_visibility_note_view(smr_surface_goals *g); /* sets mean normals of vertices that clouds show */
+void smr_visibility_note_view(smr_surface_goals *g); /* sets mean normals of the vertices counted below */
 /* Returns the visibility of vertex v, 0..1. On a whole target the visibility is 1 with a goal, 0 without. */
 float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal);
 /* Returns 1 when at most 70 % of the structure of v is visible, 0 from 90 % on, and values between. */
@@ -56,6 +56,13 @@ typedef struct smr_point_spread {
     float along, pulls, steps; /* sums, mm^2: pulls times last displacements; squares of pulls; of last displacements */
 } smr_point_spread;
 
+/* Returns the mean of the smoothed pulls on v, mm, which is 0 where none reaches v. */
+static inline smr_vec smr_points_goal(const smr_surface_goals *g, uint32_t v)
+{
+    const float *pull = g->spread + 4u * (size_t)v;
+    return pull[3] > 0.0f ? smr_off_surface(g, v, smr_scale(smr_load(pull), 1.0f / pull[3])) : smr_v(0, 0, 0);
+}
+
 /* Functions for clouds in an iteration. Programs without smr_set_points(), which names them, link none. */
 typedef struct smr_cloud_calls {
     /* writes the displacement of v to its goal and the distance to the points, mm, and stores v's visibility; returns 0
@@ -64,7 +71,7 @@ typedef struct smr_cloud_calls {
     smr_run_task *spread;                     /* runs a task of smr_point_spread_run() */
     int (*swings)(const smr_point_spread *p); /* returns 1 when momentum would make the model swing about the points */
     smr_run_task *compare;                    /* runs a task of smr_point_share_run() */
-    void (*view)(smr_surface_goals *g);       /* sets mean normals of vertices that clouds show */
+    void (*view)(smr_surface_goals *g);       /* sets mean normals of visible vertices, smr_target.view */
     uint64_t (*checksum)(const float *xyz, uint32_t n); /* returns the checksum of n points */
 } smr_cloud_calls;
 

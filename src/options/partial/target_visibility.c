@@ -167,26 +167,16 @@ float smr_visibility_partial(const smr_surface_goals *g, uint32_t v)
 }
 
 /* Sets smr_target.view, the mean normal of vertices that a cloud shows, short when the cloud surrounds the structure.
- * Skipped unless the model is near the target, and after a jump. */
+ * Skipped while a tracked model recovers, and after a jump. */
 void smr_visibility_note_view(smr_surface_goals *g)
 {
     const smr_schedule *p = g->schedule;
-    const int laid_out = p->tracking ? p->recovering != 1u : smr_at_last_radius(g->shared, p);
-    if (g->shared->config.track.mode == SMR_TRACK_OFF || g->visibility == NULL || g->n_clouds == 0u || !laid_out ||
-        p->jumped)
+    if (g->visibility == NULL || p->recovering == 1u || p->jumped)
         return;
-    for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        if (cloud_shows(&g->target[i]))
-            g->target[i].view = smr_v(0, 0, 0);
-    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
-        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-        if (g->visibility[v] > SMR_VISIBLE_ONE / 2u && cloud_shows(t))
-            t->view = smr_add(t->view, smr_get3(g->shape->normal, v));
-    }
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         smr_target *t = &g->target[i];
         if (cloud_shows(t))
-            t->view = smr_scale(t->view, 1.0f / (float)smr_max_u32(t->n_visible, 1));
+            t->view = smr_scale(t->facing, 1.0f / (float)smr_max_u32(t->n_visible, 1));
     }
 }
 
@@ -201,11 +191,16 @@ void smr_visibility_count(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_surface_goals *g = arg;
     const uint32_t first = task * SMR_VISIBLE_CHUNK;
-    for (uint32_t i = 0; i < g->shared->n_structures && task == 0u; i++)
+    for (uint32_t i = 0; i < g->shared->n_structures && task == 0u; i++) {
         g->target[i].visible_now = g->target[i].judged_now = 0;
+        g->target[i].facing = smr_v(0, 0, 0);
+    }
     for (uint32_t v = first; v < smr_min_u32(first + SMR_VISIBLE_CHUNK, g->schedule->n_active); v++) {
         smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-        t->visible_now += g->visibility_next[v] > SMR_VISIBLE_ONE / 2u;
+        const uint32_t visible = g->visibility_next[v] > SMR_VISIBLE_ONE / 2u;
+        t->visible_now += visible;
+        if (visible && cloud_shows(t))
+            t->facing = smr_add(t->facing, smr_get3(g->shape->normal, v));
         t->judged_now += g->shape->on_surface[v]; /* only vertices of triangles are judged */
     }
 }

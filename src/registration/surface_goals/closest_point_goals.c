@@ -30,7 +30,7 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
         smr_keep_floats(a, &t->area_share, 1, 0.0f, 1.0f);
         smr_keep_floats(a, &t->compared, 3, -FLT_MAX, FLT_MAX); /* and product, pulled */
         smr_keep_floats(a, &t->own, 1, 0.0f, FLT_MAX);
-        if (shared->config.track.mode != SMR_TRACK_OFF)
+        if (shared->config.partial.coverage != SMR_COVERAGE_WHOLE)
             smr_keep_floats(a, &t->view.x, 3, -SMR_KEPT_UNIT, SMR_KEPT_UNIT);
         g->partial |= t->partial;
     }
@@ -134,7 +134,7 @@ SMR_SELDOM void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32
         return;
     smr_outliers_forget(g, SMR_ALL);
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        g->target[i].view = smr_v(0, 0, 0);
+        g->target[i].view = g->target[i].facing = smr_v(0, 0, 0);
 }
 
 void smr_surface_goals_commit(smr_surface_goals *g)

@@ -35,9 +35,10 @@ typedef struct smr_target {
     float scale;                  /* mm: scale of the residuals of the target's vertices; 0: unknown */
     float area_share;             /* largest share of the target's area that the model can cover; 0: unknown */
     uint32_t others;              /* 1: the target holds bodies on which no goal may lie (outlier_weights.c) */
-    float path;   /* mm: sum of each iteration's largest displacement of the structure since smr_certainties_clear() */
-    float moved;  /* mm: largest displacement of the structure in the last iteration */
-    smr_vec view; /* cloud: mean normal of the model's visible places; 0: unknown */
+    float path;  /* mm: sum of each iteration's largest displacement of the structure since smr_certainties_clear() */
+    float moved; /* mm: largest displacement of the structure in the last iteration */
+    smr_vec facing; /* cloud: sum of the normals of the visible vertices of the current forces */
+    smr_vec view;   /* cloud: mean normal of the model's visible vertices; 0: unknown */
     /* cloud: sums over the points at this structure, by weight: of the weights; of pulls along the normal, mm, times
      * what the other points predict; of squares of the former and of the latter; of points' shares in smoothed pulls */
     float compared, product, pulled, square, own;

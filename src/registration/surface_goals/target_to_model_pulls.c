@@ -11,6 +11,8 @@
 /* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL fully. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
+#define SMR_VIEW_AGAIN 1.0f     /* 1 + cosine of the largest angle between view and normal of a place, after a jump */
+#define SMR_VIEW_FIRST 0.5f     /* the same before the last radius */
 #define SMR_KEY_ROUNDED 4.0e-6f /* mm: more than the rounding of a near distance plus the path */
 
 /* Instructions at most: of a target vertex but its searches, for each structure, and for each place that it pulls. */
@@ -24,16 +26,24 @@ uint32_t smr_attract_tasks(const void *arg)
     return smr_attraction_on(g) ? g->n_tasks : 0u;
 }
 
-/* After a jump: restricts the search of a point without a normal to the side of the model that was visible before. */
+/* Returns 1 while a point without a normal may be nearest to the wrong side of a thin model: before the last radius,
+ * and after a jump. */
+static int may_cross(const smr_surface_goals *g, const smr_surface *surface, const smr_query *q)
+{
+    const int lost =
+        g->schedule->tracking ? g->schedule->recovering == 1u : !smr_at_last_radius(g->shared, g->schedule);
+    return lost && smr_is_cloud(surface) && smr_dot(q->normal, q->normal) < 0.5f;
+}
+
+/* Restricts the search of such a point to the side of the model that most points showed in the iteration before. */
 static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query *q)
 {
     const smr_vec view = g->target[structure].view;
-    const float length = smr_length(view);
-    const int known = g->schedule->tracking && g->schedule->recovering == 1u && length > SMR_VIEW_NONE;
+    const float length = smr_length(view), most = g->schedule->tracking ? SMR_VIEW_AGAIN : SMR_VIEW_FIRST;
     q->min_cos = -2.0f;
-    if (!known)
+    if (!(length > SMR_VIEW_NONE))
         return;
-    q->min_cos = smr_min((length - SMR_VIEW_NONE) / (SMR_VIEW_FULL - SMR_VIEW_NONE), 1.0f) - 1.001f;
+    q->min_cos = smr_min((length - SMR_VIEW_NONE) / (SMR_VIEW_FULL - SMR_VIEW_NONE), 1.0f) * most - 1.001f;
     q->normal = smr_scale(view, 1.0f / length);
 }
 
@@ -43,7 +53,7 @@ static int closest_structure(const smr_surface_goals *g, const smr_goal *goal, u
                              uint32_t warm, smr_worker *w, smr_certainty *known)
 {
     const smr_surface *const surface = goal->surface;
-    const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
+    const int crosses = may_cross(g, surface, q);
     const uint32_t n = last + 1u - goal->structure;
     smr_near_list further;
     for (; w->task.pull.at < 2u * n && !known->sure; w->task.pull.at++) {
@@ -53,7 +63,7 @@ static int closest_structure(const smr_surface_goals *g, const smr_goal *goal, u
         const int is_warm = local < one->tree.n_triangles;
         if (g->target[i].surface != surface || is_warm != (w->task.pull.at < n))
             continue;
-        if (bare)
+        if (crosses)
             face_view(g, i, q);
         q->warm = is_warm ? local : SMR_NONE;
         smr_near_list *const list = w->task.pull.found == SMR_NONE ? &w->task.pull.near : &further;
@@ -70,8 +80,8 @@ static int closest_structure(const smr_surface_goals *g, const smr_goal *goal, u
             memcpy(&w->task.pull.near, list, offsetof(smr_near_list, item) + list->n * sizeof *list->item);
         w->task.pull.found = i;
     }
-    if (w->task.pull.n != 1u)
-        known->other_mm = 0.0f; /* structures that share a target: nothing is known of the others */
+    if (w->task.pull.n != 1u || crosses)
+        known->other_mm = 0.0f; /* nothing is known of others that share the target, or of the side left out */
     return 1;
 }
 
@@ -112,7 +122,8 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, 
         w->task.pull.hit = (smr_hit){g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     }
     const smr_target *target = &g->target[goal->structure]; /* where structures share it, nothing is ever known */
-    smr_certainty known = smr_known(g, g->target_other[slot] - target->path, target->moved, SMR_LEARN_PULL, &w->pause);
+    const float other = may_cross(g, surface, &q) ? 0.0f : g->target_other[slot] - target->path;
+    smr_certainty known = smr_known(g, other, target->moved, SMR_LEARN_PULL, &w->pause);
     g->target_other[slot] = 0.0f; /* a search that is continued does not need the old value */
     if (!closest_structure(g, goal, last, &q, g->target_warm[slot], w, &known) || w->task.pull.found == SMR_NONE)
         return;
