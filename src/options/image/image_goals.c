@@ -16,7 +16,7 @@
 #define SMR_NOISY_EDGE 2.0f  /* the same ratio, from which on the confidence of edges falls, down to a half */
 #define SMR_SIDE_VOXELS 0.5f /* largest shift along the surface / mean voxel size */
 #define SMR_REST 0.2f        /* largest motion since the last search of a vertex that rests / step of profiles */
-#define SMR_SIDE_SHARE 0.25f /* largest shift / search distance of profiles; the larger largest shift holds */
+#define SMR_SIDE_SHARE 0.19f /* largest shift / search distance of profiles; the larger largest shift holds */
 #define SMR_SIDE_NOISY 2.0f  /* largest factor on both in noise, which hides slopes between near lines */
 
 /* Returns 1 when vertices may keep the goals of earlier searches. */
