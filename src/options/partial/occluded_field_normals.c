@@ -4,8 +4,9 @@
  * the seven motions of a similarity, which are added to the pose and measured from the start, so that the start pose
  * stays where normals do not determine it (the turn of a ball, the size of a flat cap).
  * A control's distance is measured to its goal, not to its position: a field through positions would follow itself and
- * oscillate with momentum. Goals on clouds are taken in full, as the field averages noise itself; a tracked cloud's not,
- * which may lie on the wrong side. Each iteration uses other controls; small steps at the last radius average over them.
+ * oscillate with momentum. Goals on clouds are taken in full, as the field averages noise itself; none while clouds are
+ * tracked, when they may lie on the wrong side. Each iteration uses other controls; small steps at the last radius
+ * average over them.
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -151,8 +152,8 @@ void smr_field_normals_residuals(smr_occluded_field *f, const uint32_t *control,
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
         const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
-        const int cloud = target->surface != NULL && smr_is_cloud(target->surface);
-        const smr_vec on = cloud && !f->schedule->tracking ? smr_points_goal(f->goals, v) : smr_surface_goal_again(f->goals, v);
+        const int cloud = target->surface != NULL && smr_is_cloud(target->surface) && !f->schedule->tracking;
+        const smr_vec on = cloud ? smr_points_goal(f->goals, v) : smr_surface_goal_again(f->goals, v);
         const smr_vec goal = smr_add(smr_get3(f->coefficient, k), on);
         f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f, f->back, m, SMR_FIELD_MOTIONS);
         smr_put3(f->coefficient, k, n);
