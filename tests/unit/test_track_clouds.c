@@ -151,6 +151,25 @@ TEST(test_starts_beyond_the_far_side)
     assert_true(rig_far(rig_positions(s, e.model), there.xyz, e.bone.n_vertices) < 1.5f);
 }
 
+/* The state after an iteration whose points are said to show the far side, by a mean normal of this length. */
+static uint64_t told(const scene *e, float length)
+{
+    smr *s = rig_init(e->model, &e->config, NULL);
+    see(e, s, &e->bone, smr_v(1, 0, 0));
+    s->forces.surface.target[0].view = smr_v(-length, 0, 0);
+    s->guard.closed = 0; /* the struct changes */
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    return smr_state_hash(s);
+}
+
+/* A short mean normal comes from all sides, and a long one from a plate, whose nearer side may be the wrong one. */
+TEST(test_short_and_long_views_say_nothing)
+{
+    const scene e = make(SMR_TRACK_OFF);
+    assert_true(told(&e, 0.19f) == told(&e, 0) && told(&e, 0.46f) == told(&e, 0));
+    assert_true(told(&e, 0.3f) != told(&e, 0) && told(&e, 0.4f) != told(&e, 0.3f) && told(&e, 0.42f) != told(&e, 0));
+}
+
 static smr_points *given[GIVEN];
 
 static const void *by_checksum(void *ctx, const smr_log_record *record)

@@ -4,9 +4,9 @@
  * the seven motions of a similarity, which are added to the pose and measured from the start, so that the start pose
  * stays where normals do not determine it (the turn of a ball, the size of a flat cap).
  * A control's distance is measured to its goal, not to its position: a field through positions would follow itself and
- * oscillate with momentum. Goals on clouds are taken in full, as the field averages noise itself; none while clouds are
- * tracked, when they may lie on the wrong side. Each iteration uses other controls; small steps at the last radius
- * average over them.
+ * oscillate with momentum. Goals on clouds are taken in full, as the field averages noise itself; those of a tracked
+ * cloud, which may lie on the wrong side, are not: there positions count. Each iteration uses other controls; small
+ * steps at the last radius average over them.
  * Bounds: those of the field of occluded vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"

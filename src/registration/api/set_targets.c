@@ -181,7 +181,7 @@ SMR_SELDOM static smr_status set_target(smr *s, uint32_t structure, const smr_su
         forget_searches(g, structure);
         smr_outliers_forget(g, structure);
         for (uint32_t i = first; i < last && !s->schedule.tracking; i++)
-            g->target[i].view = g->target[i].facing = smr_v(0, 0, 0);
+            g->target[i].view = smr_v(0, 0, 0);
     }
     if (smr_visibility_on(g))
         smr_visibility_start(g);

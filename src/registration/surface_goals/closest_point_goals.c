@@ -134,7 +134,7 @@ SMR_SELDOM void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32
         return;
     smr_outliers_forget(g, SMR_ALL);
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        g->target[i].view = g->target[i].facing = smr_v(0, 0, 0);
+        g->target[i].view = smr_v(0, 0, 0);
 }
 
 void smr_surface_goals_commit(smr_surface_goals *g)

@@ -8,9 +8,11 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
-/* Length of a cloud's mean normal: below NONE the normal does not restrict the search, above FULL fully. */
+/* Length of a cloud's mean normal: below NONE the normal does not restrict the search, at FULL fully, and before
+ * tracking from FLAT on not: that of a flat shape says which side was nearer, not which one is shown. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
+#define SMR_VIEW_FLAT 0.45f
 #define SMR_VIEW_AGAIN 1.0f     /* 1 + cosine of the largest angle between view and normal of a place, after a jump */
 #define SMR_VIEW_FIRST 0.5f     /* the same before the last radius */
 #define SMR_KEY_ROUNDED 4.0e-6f /* mm: more than the rounding of a near distance plus the path */
@@ -35,15 +37,19 @@ static int may_cross(const smr_surface_goals *g, const smr_surface *surface, con
     return lost && smr_is_cloud(surface) && smr_dot(q->normal, q->normal) < 0.5f;
 }
 
-/* Restricts the search of such a point to the side of the model that most points showed in the iteration before. */
+/* Restricts the search of such a point to the side of the model that most points showed in the last iteration, or in
+ * the last one before a jump. */
 static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query *q)
 {
     const smr_vec view = g->target[structure].view;
     const float length = smr_length(view), most = g->schedule->tracking ? SMR_VIEW_AGAIN : SMR_VIEW_FIRST;
+    const float rises = (length - SMR_VIEW_NONE) / (SMR_VIEW_FULL - SMR_VIEW_NONE);
+    const float falls = (SMR_VIEW_FLAT - length) / (SMR_VIEW_FLAT - SMR_VIEW_FULL);
+    const float share = smr_min(smr_min(rises, 1.0f), g->schedule->tracking ? 1.0f : falls);
     q->min_cos = -2.0f;
-    if (!(length > SMR_VIEW_NONE))
+    if (!(share > 0.0f))
         return;
-    q->min_cos = smr_min((length - SMR_VIEW_NONE) / (SMR_VIEW_FULL - SMR_VIEW_NONE), 1.0f) * most - 1.001f;
+    q->min_cos = share * most - 1.001f;
     q->normal = smr_scale(view, 1.0f / length);
 }
 
@@ -80,8 +86,8 @@ static int closest_structure(const smr_surface_goals *g, const smr_goal *goal, u
             memcpy(&w->task.pull.near, list, offsetof(smr_near_list, item) + list->n * sizeof *list->item);
         w->task.pull.found = i;
     }
-    if (w->task.pull.n != 1u || crosses)
-        known->other_mm = 0.0f; /* nothing is known of others that share the target, or of the side left out */
+    if (w->task.pull.n != 1u)
+        known->other_mm = 0.0f; /* structures that share a target: nothing is known of the others */
     return 1;
 }
 
@@ -122,8 +128,9 @@ static void pull_one(smr_surface_goals *g, const smr_goal *goal, uint32_t last, 
         w->task.pull.hit = (smr_hit){g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     }
     const smr_target *target = &g->target[goal->structure]; /* where structures share it, nothing is ever known */
-    const float other = may_cross(g, surface, &q) ? 0.0f : g->target_other[slot] - target->path;
-    smr_certainty known = smr_known(g, other, target->moved, SMR_LEARN_PULL, &w->pause);
+    const int crosses = may_cross(g, surface, &q);          /* then nothing is known of the side that is left out */
+    const float other = crosses ? 0.0f : g->target_other[slot] - target->path;
+    smr_certainty known = smr_known(g, other, crosses ? SMR_FAR : target->moved, SMR_LEARN_PULL, &w->pause);
     g->target_other[slot] = 0.0f; /* a search that is continued does not need the old value */
     if (!closest_structure(g, goal, last, &q, g->target_warm[slot], w, &known) || w->task.pull.found == SMR_NONE)
         return;
