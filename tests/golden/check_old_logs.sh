@@ -13,8 +13,8 @@ replay_run=$PWD/$build/replay_run
 case $build in /*) replay_run=$build/replay_run ;; esac
 cd "$tmp" || exit 1
 "$smr" phantom -o thigh --small --quiet || exit 1
-# A row: what, status, the end of its last line, the command. Goals on surfaces are others since outliers are weighed:
-# such a log is read to its end, and its first tick differs.
+# A row: what, status, the end of its last line, the command. Goals are others since outliers are weighed and, in images,
+# since searches along the surface are shorter: such a log is read to its end, and a first tick differs.
 while IFS='|' read -r name status wanted words; do
     out=$(eval "$words" 2>&1)
     rc=$?
@@ -23,6 +23,6 @@ done <<'END'
 surfaces, 1 thread|1|tick 1 differs|"$replay_run" replay "$logs/run_v1.log" 1
 surfaces, 3 threads|1|tick 1 differs|"$replay_run" replay "$logs/run_v1.log" 3
 a surface from files|1|tick 1 of 297 differs|"$smr" replay "$logs/files_v1.log"
-an image|0|state ac9aac34f1a3bfd9|"$smr" replay "$logs/image_v1.log" --threads 1 | grep 'all 101 ticks agree'
+an image|1|tick 2 of 101 differs|"$smr" replay "$logs/image_v1.log" --threads 1
 END
 finish
