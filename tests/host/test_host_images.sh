@@ -87,7 +87,7 @@ differs() {
     check "$differs_name: another result" sh -c "[ -f changed/bone.ply ] && ! cmp -s image/bone.ply changed/bone.ply"
     rm -rf changed
 }
-differs "few vertices take part" --active 0.35 --active-enough 0
+differs "few vertices take part" --active 0.5 --active-enough 0
 differs "goals on the normals" --sideways 0
 differs "few vertices at the start" --active-first 0.3 --active-enough 0
 check "the defaults of both shares" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o shares --active 1 --active-first 1 --active-enough 30
@@ -182,8 +182,10 @@ for option in "--search 14.5,1.25" "--gradient 3.25,0.25" "--similarity ssd" "--
     check "$option is heard" [ "$(value plain2/report.json state_hash)" != "$(value plain/report.json state_hash)" ]
 done
 check "landmarks for a surface" has_status 0 $SMR register --model bone.ply -o surface --target target.ply --landmarks five.csv five_to.csv
-check "both sides mirrored" has_status 0 $SMR register --model bone.ply -o mirror $image4 --mirror-model x --mirror-target x --landmarks five.csv five_to.csv --truth truth
-check "measure the same as unmirrored" awk -v a="$(mean spline/report.json vertex_to_vertex_mm)" -v b="$(mean mirror/report.json vertex_to_vertex_mm)" 'BEGIN { d = a - b; exit !(d < 0.2 && d > -0.2) }'
+five="--landmarks five.csv five_to.csv --truth truth --ticks 5" # later on, rounding leads smooth bodies apart
+check "neither side mirrored" has_status 4 $SMR register --model bone.ply -o straight $image4 $five
+check "both sides mirrored" has_status 4 $SMR register --model bone.ply -o mirror $image4 --mirror-model x --mirror-target x $five
+check "measure the same as unmirrored" awk -v a="$(mean straight/report.json vertex_to_vertex_mm)" -v b="$(mean mirror/report.json vertex_to_vertex_mm)" 'BEGIN { d = a - b; exit !(a > 1 && d < 0.001 && d > -0.001) }'
 
 # Mirroring a volume in patient space: with oblique axes only the header changes, and mirrored back every bit is the
 # same; voxels stored the other way round give the same field. Landmarks of a mirrored side go along.

@@ -180,7 +180,7 @@ SMR_SELDOM static smr_status set_target(smr *s, uint32_t structure, const smr_su
     } else {
         forget_searches(g, structure);
         smr_outliers_forget(g, structure);
-        for (uint32_t i = first; i < last && !s->schedule.tracking; i++)
+        for (uint32_t i = first; i < last && !s->schedule.tracking; i++) /* this cloud may show another side */
             g->target[i].view = smr_v(0, 0, 0);
     }
     if (smr_visibility_on(g))
