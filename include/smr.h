@@ -1349,10 +1349,10 @@ struct smr_log_reader {
 };
 struct smr_replay {
     smr *s;
-    smr_log_reader reader, later;
+    smr_log_reader reader, reserved;
     smr_log_input input;
     void *ctx;
-    uint32_t n_ticks, has_forces, has_later, n_landmarks, count;
+    uint32_t n_ticks, state, reserved_word, n_landmarks, count;
     uint64_t gave;
     smr_landmark landmark[SMR_LANDMARKS_MAX];
 };

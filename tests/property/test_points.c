@@ -114,6 +114,8 @@ TEST(test_growth_replays)
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
         begin_run(rig_random(&seed, 1u << 27));
         smr_config config = rig_cloud_config(&r.seed);
+        config.track.mode = rig_random(&r.seed, 3);
+        config.track.iterations = 2u + rig_random(&r.seed, 8);
         r.s = rig_init(model, &config, &recording);
         assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
         for (uint32_t step = 0; step < STEPS / 2u; step++) {

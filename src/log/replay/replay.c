@@ -1,11 +1,15 @@
 /* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor with any
  * number of threads. The log has what a budget decides: the number of active vertices and the iteration that each input
- * affects. Each complete iteration runs in one piece with that number. An input set before the forces were complete is
- * set before the iteration, a later input after it; an input that restarts the schedule abandons the iteration.
- * Bounds: a tick reads the log's records at most twice.
+ * affects. Each complete iteration runs with that number. An input set before the iteration's first search is set then;
+ * while its forces were incomplete: before that search; later: before its last step, which may begin tracking or change
+ * the radius by what is known of targets. An input that restarts the schedule abandons the iteration.
  * SPDX-License-Identifier: MIT */
 #include "registration/config/config.h"
 #include "registration/registration.h"
+#include "registration/tick/iteration_steps.h"
+
+/* smr_replay.state: no iteration is under way, or one has begun, or one has its forces and waits for its last step. */
+enum { SMR_REPLAY_BETWEEN = 0, SMR_REPLAY_BEGUN, SMR_REPLAY_FORCES };
 
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
 {
@@ -101,44 +105,21 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     }
 }
 
-/* Calls set_input(). Returns E_WITHOUT for E_CONFIG, which means that this build leaves out what the input needs. */
-static smr_status set_again(smr_replay *r, const smr_log_record *record)
+/* Runs the iteration up to the step that runs this. */
+static smr_status run_until(const smr_replay *r, smr_run_task *step)
 {
+    const smr_status status = smr_tick_until(r->s, step);
+    return status == SMR_PARTIAL ? SMR_OK : status;
+}
+
+static smr_status take_input(smr_replay *r, const smr_log_record *record)
+{
+    if (r->n_landmarks > 0u && record->kind != SMR_LOG_LANDMARKS)
+        return SMR_E_LOG; /* announced landmarks are missing */
+    SMR_TRY(r->state == SMR_REPLAY_BEGUN ? run_until(r, smr_attract_search) : SMR_OK);
+    r->state = of_forces(record->kind) && r->state == SMR_REPLAY_FORCES ? SMR_REPLAY_FORCES : SMR_REPLAY_BETWEEN;
     const smr_status status = set_input(r, record);
-    return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
-}
-
-/* Sets the inputs for forces that were recorded after the iteration's forces: records from r->later to the reader. */
-static smr_status set_later(smr_replay *r, smr_log_record *record)
-{
-    smr_status status = SMR_OK;
-    while (status == SMR_OK && r->has_later && r->later.at < r->reader.at) {
-        status = smr_log_next(&r->later, record);
-        if (status == SMR_OK && of_forces(record->kind) && !record->gave)
-            status = set_again(r, record);
-    }
-    r->has_later = 0;
-    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* E_LOG: announced landmarks are missing */
-}
-
-/* Sets an input now, or keeps it for the end of the current iteration. *record: the input, or the one that failed. */
-static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
-{
-    smr_log_record earlier = *record; /* missing landmarks are found at this record */
-    if (of_forces(record->kind) && r->has_forces) {
-        if (!r->has_later)
-            r->later = *before;
-        r->has_later = 1;
-        return SMR_OK;
-    }
-    if (of_forces(record->kind))
-        return set_again(r, record);
-    r->has_forces = 0;
-    const smr_status status = set_later(r, &earlier);
-    if (status == SMR_OK)
-        return set_again(r, record);
-    *record = earlier;
-    return status;
+    return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status; /* this build leaves out what the input needs */
 }
 
 /* Returns this registration's state as a record, for comparison with the recorded tick. */
@@ -157,26 +138,36 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     return found;
 }
 
-static smr_status take_tick(smr_replay *r, smr_replay_report *report)
+/* Repeats an iteration as far as inputs that follow the record can tell. */
+static smr_status take_tick(smr_replay *r, const smr_log_record *record)
+{
+    const int has_forces = record->complete || record->phase != SMR_PHASE_FORCES;
+    if (r->n_landmarks > 0u)
+        return SMR_E_LOG;
+    if (!has_forces) {
+        r->state = SMR_REPLAY_BEGUN;
+        return SMR_OK;
+    }
+    if (r->state != SMR_REPLAY_FORCES) {
+        SMR_TRY(smr_set_active(r->s, record->complete ? record->n_taken : record->n_evaluated));
+        SMR_TRY(record->complete ? SMR_OK : run_until(r, smr_commit));
+    }
+    r->state = record->complete ? SMR_REPLAY_BETWEEN : SMR_REPLAY_FORCES;
+    return record->complete ? smr_tick(r->s, 0, NULL) : SMR_OK;
+}
+
+static smr_status compare_tick(smr_replay *r, smr_replay_report *report)
 {
     smr_log_record *const recorded = &report->record;
     recorded->checksum = r->gave;
     r->gave = 0;
-    if (recorded->complete) {
-        SMR_TRY(smr_set_active(r->s, recorded->n_taken));
-        SMR_TRY(smr_tick(r->s, 0, NULL));
-    }
-    r->has_forces = !recorded->complete && recorded->phase != SMR_PHASE_FORCES;
+    SMR_TRY(take_tick(r, recorded));
     report->found = found_here(r->s, recorded);
     const smr_log_record *const a = recorded, *const b = &report->found;
     report->differs = a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
                       a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken ||
                       a->n_forces != b->n_forces || a->checksum != b->checksum;
-    smr_log_record late = *recorded;
-    const smr_status status = recorded->complete ? set_later(r, &late) : SMR_OK;
-    if (status != SMR_OK)
-        report->record = late;
-    return status;
+    return SMR_OK;
 }
 
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
@@ -198,11 +189,11 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
         }
         if (kind == SMR_LOG_TICK) {
             replay->n_ticks++;
-            return take_tick(replay, report);
+            return compare_tick(replay, report);
         }
         if (report->record.gave)
             replay->gave = report->record.checksum;
         else if (kind != SMR_LOG_ACTIVE)
-            SMR_TRY(take_input(replay, &before, &report->record));
+            SMR_TRY(take_input(replay, &report->record));
     }
 }

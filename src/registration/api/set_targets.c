@@ -177,6 +177,8 @@ SMR_SELDOM static smr_status set_target(smr *s, uint32_t structure, const smr_su
     smr_take_goals(g);
     if (grown && g->n_goals == n_goals) { /* only new points: results of searches and weights stay valid */
         smr_pulls_clear(g);
+        if (smr_forces_pending(s) && (s->step > 0u || s->next_task > 0u))
+            forget_searches(g, structure); /* how far they got depends on the budget */
     } else {
         forget_searches(g, structure);
         smr_outliers_forget(g, structure);

@@ -116,12 +116,13 @@ static void run_whole(smr *s, const smr_step *step, uint32_t n_tasks)
 }
 
 typedef struct watch {
-    uint64_t deadline; /* reading of the clock, ns, at which this tick must end; 0: no budget */
-    uint64_t budget;   /* the tick's budget, ns; 0: none */
-    uint64_t last;     /* last reading of the clock, ns */
-    int begun;         /* 0: nothing has run yet. The first tasks always run: each tick makes progress */
-    int current;       /* 1: nothing has run since the last reading */
-    int back;          /* 1: at the last reading the clock had run backwards */
+    uint64_t deadline;   /* reading of the clock, ns, at which this tick must end; 0: no budget */
+    uint64_t budget;     /* the tick's budget, ns; 0: none */
+    uint64_t last;       /* last reading of the clock, ns */
+    int begun;           /* 0: nothing has run yet. The first tasks always run: each tick makes progress */
+    int current;         /* 1: nothing has run since the last reading */
+    int back;            /* 1: at the last reading the clock had run backwards */
+    smr_run_task *until; /* the tick ends before the step that runs this; NULL: none */
 } watch;
 
 static void read_clock(smr *s, watch *w)
@@ -240,7 +241,7 @@ static smr_tick_report report_of(const smr *s)
 
 static watch begin(smr *s, uint64_t budget_ns)
 {
-    watch w = {0, 0, now(s), 0, 1, 0};
+    watch w = {0, 0, now(s), 0, 1, 0, NULL};
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
         smr_budget_resume(s);
@@ -256,7 +257,7 @@ static watch begin(smr *s, uint64_t budget_ns)
     return w;
 }
 
-/* Runs steps until the iteration is complete, the budget is used up or a task is refused. */
+/* Runs steps until the iteration is complete, the budget is used up, w->until is next or a task is refused. */
 static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
 {
     smr_status status = SMR_OK;
@@ -264,6 +265,8 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
         const smr_step *step = &smr_steps[s->step];
         if (!smr_step_on(s, step))
             continue;
+        if (step->run == w->until)
+            return SMR_PARTIAL;
         const uint32_t n_tasks = smr_step_tasks(s, step);
         const uint64_t before = w->last;
         if (n_tasks > 0u)
@@ -290,7 +293,7 @@ static void log_force_output(smr *s)
     g->summed = 0;
 }
 
-SMR_SELDOM smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
+static smr_status run_tick(smr *s, uint64_t budget_ns, smr_run_task *until, smr_tick_report *report)
 {
     uint64_t phase_ns[SMR_PHASES] = {0};
     SMR_TRY(smr_sound(s));
@@ -304,6 +307,7 @@ SMR_SELDOM smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *repo
     if (!smr_idle(&s->schedule))
         smr_scrub_again(s);
     watch w = begin(s, budget_ns);
+    w.until = until;
     const smr_status status = run_iteration(s, &w, phase_ns);
     s->ticking = 0;
     if (status < 0) {
@@ -321,3 +325,10 @@ SMR_SELDOM smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *repo
         *report = report_of(s);
     return status;
 }
+
+SMR_SELDOM smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
+{
+    return run_tick(s, budget_ns, NULL, report);
+}
+
+SMR_SELDOM smr_status smr_tick_until(smr *s, smr_run_task *step) { return run_tick(s, 0, step, NULL); }
