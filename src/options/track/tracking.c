@@ -14,6 +14,7 @@
 #define SMR_TRACK_FEWER 0.8f     /* share of vertices with goals / last share below which half the distance is a jump */
 #define SMR_TRACK_LOST 0.9f      /* SMR_TRACK_FEWER with an image, where vertices may find wrong goals nearby */
 #define SMR_TRACK_NARROWING 0.5f /* number of first iterations in which image searches narrow / track.iterations */
+#define SMR_TRACK_NARROW 0.3f    /* progress of image searches at new targets: carried structures are not far off */
 #define SMR_TRACK_COARSE 24u     /* number of iterations at all coarser radii together after a jump */
 #define SMR_TRACK_STILL 0.2f     /* displacement / (stiffness * typical residual) below which the model rests */
 #define SMR_TRACK_MOMENTUM 0.7f  /* largest momentum at radii after a jump: with more the model oscillates */
@@ -112,9 +113,8 @@ static float gain_of(const smr *s)
 float smr_tracking_progress(const smr *s)
 {
     const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
-    if (s->schedule.recovering == 1u)
-        return 0.0f;
-    return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
+    const float share = smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
+    return s->schedule.recovering == 1u ? 0.0f : 1.0f - (1.0f - SMR_TRACK_NARROW) * (1.0f - share);
 }
 
 /* Returns the share of vertices with a target that have a goal, but not from an image that completes a partial view. */
