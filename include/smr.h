@@ -667,11 +667,11 @@ smr_config smr_config_default_image(void);
 
 /* Sets the image of every structure without a target surface; the library borrows the image until the next image. NULL
  * removes the image. The schedule restarts from the present positions. While the model follows moving targets
- * (config.track), a new image is followed, too: profiles are searched as far as at the schedule's start, within half
- * the radius. The memory of the previous image is free when the call returns. Tangentially, and at vertices without a
- * goal, structures then follow a smooth displacement field from the schedule's result through all vertices with a goal.
- * Once surfaces, clouds (except for added points) or landmarks are set again without a new image, the image goals move
- * along with the other targets until the next image.
+ * (config.track), a new image is followed, too: profiles are searched 0.3 nearer than at the schedule's start, within
+ * half the radius. The memory of the previous image is free when the call returns. Tangentially, and at vertices
+ * without a goal, structures then follow a smooth displacement field from the schedule's result through all vertices
+ * with a goal. Once surfaces, clouds (except for added points) or landmarks are set again without a new image, the
+ * image goals move along with the other targets until the next image.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 
@@ -1249,8 +1249,8 @@ typedef struct smr_replay_report {
 } smr_replay_report;
 
 /* Repeats the log's next tick and the inputs set before that tick, without a clock, and compares the result with the
- * record. A complete iteration is computed in one piece. A partial tick changes nothing yet, so the tick that completes
- * the iteration takes the time. After an error or a difference the rest of the replay is not meaningful. Errors:
+ * record. The first partial tick that has all forces, or else the complete one, takes the iteration's time; between the
+ * former and the latter s is within an iteration. After an error or a difference the rest is not meaningful. Errors:
  * E_NULL, E_LOG, E_INPUT (an input missing, another, or refused), E_WITHOUT, those of smr_set_...() and smr_tick(). */
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
@@ -1349,10 +1349,10 @@ struct smr_log_reader {
 };
 struct smr_replay {
     smr *s;
-    smr_log_reader reader, reserved;
+    smr_log_reader reader, unused; /* unused and unused_word keep the layout */
     smr_log_input input;
     void *ctx;
-    uint32_t n_ticks, state, reserved_word, n_landmarks, count;
+    uint32_t n_ticks, state, unused_word, n_landmarks, count;
     uint64_t gave;
     smr_landmark landmark[SMR_LANDMARKS_MAX];
 };

@@ -21,13 +21,7 @@ static int may_end_early(const smr *s)
 }
 
 /* Returns 1 when some goals stay far at any radius: they lie on other bodies, or at noisy points of a cloud. */
-static int unreached(const smr *s)
-{
-    uint32_t n = s->forces.surface.n_clouds_at_begin;
-    for (uint32_t i = 0; i < s->shared.n_structures; i++)
-        n += s->forces.surface.target[i].others;
-    return n > 0u;
-}
+static int unreached(const smr *s) { return s->forces.surface.n_clouds_at_begin + s->schedule.others > 0u; }
 
 /* Returns 1 when the vertices move by less than settle_share of the way to their goals: forces on clusters of the
  * current radius cancel out, and smaller clusters follow them further. Smaller clusters end at a larger share, in

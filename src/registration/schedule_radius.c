@@ -34,8 +34,7 @@ uint32_t smr_radius_after(const smr *s)
     return best;
 }
 
-/* Returns 1 when a target surface shows a part of the model to the end. */
-static int shows_part(const smr *s)
+int smr_shows_part(const smr *s)
 {
     uint32_t i = 0;
     while (i < s->shared.n_structures && !(SMR_HAS_PARTIAL && smr_visibility_always_partial(&s->forces.surface, i)))
@@ -48,8 +47,9 @@ static int shows_part(const smr *s)
  * part of it, and volumes change against the target. */
 static uint32_t level_iterations(const smr *s)
 {
-    const int counts = s->shared.config.motion.settle_share > 0.0f &&
-                       (s->forces.surface.n_clouds_at_begin > 0u || smr_volumes_used(&s->volumes) || shows_part(s));
+    const int counts =
+        s->shared.config.motion.settle_share > 0.0f &&
+        (s->forces.surface.n_clouds_at_begin + s->schedule.part_at_begin > 0u || smr_volumes_used(&s->volumes));
     return smr_min_u32(s->shared.config.basic.iterations, counts ? SMR_FIXED_ITERATIONS : UINT32_MAX);
 }
 

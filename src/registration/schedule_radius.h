@@ -14,6 +14,7 @@ uint32_t smr_radius_iterations(const smr *s); /* returns the largest number of i
 /* returns the index, first .. last, of the radius, with all vertices in clusters, whose ratio to mm is nearest to 1 */
 uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm);
 uint32_t smr_radius_after(const smr *s); /* returns the index of the radius for tracking and for dynamics */
+int smr_shows_part(const smr *s);        /* returns 1 when a target surface shows a part of the model to the end */
 float smr_radius_progress(const smr *s); /* returns the completed share of the schedule's iterations, 0..1 */
 
 /* Result of an iteration. Each field is 0 or 1. */

@@ -184,11 +184,11 @@ TEST(test_progress_with_unreached_goals)
         if (k == 5u || k == 10u) /* as near as rounding */
             continue;
         s->evolve.mean_mm = 0.01f * (float)k * s->forces.totals.goal_mean * goals;
-        s->forces.surface.target[0].others = 0;
+        s->schedule.others = 0;
         assert_int_equal(k < 10u, smr_ending_of(s, 3).spent);
-        s->forces.surface.target[0].others = 1;
+        s->schedule.others = 1;
         assert_int_equal(k < 5u, smr_ending_of(s, 3).spent);
-        s->forces.surface.target[0].others = 0;
+        s->schedule.others = 0;
         s->forces.surface.n_clouds_at_begin = 1;
         assert_int_equal(k < 5u, smr_ending_of(s, 3).spent);
         s->forces.surface.n_clouds_at_begin = 0;

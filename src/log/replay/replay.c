@@ -1,14 +1,16 @@
 /* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor with any
  * number of threads. The log has what a budget decides: the number of active vertices and the iteration that each input
- * affects. Each complete iteration runs with that number. An input set before the iteration's first search is set then;
- * while its forces were incomplete: before that search; later: before its last step, which may begin tracking or change
- * the radius by what is known of targets. An input that restarts the schedule abandons the iteration.
+ * affects. Each iteration runs with that number. Inputs come between iterations, before an iteration's first search
+ * (recorded while its forces were incomplete), or before its last step (recorded later), which may begin tracking or
+ * change the radius by what is known of targets. An input that restarts the schedule abandons the iteration.
+ * Bounds: each record is read once; a tick begins at most two iterations.
  * SPDX-License-Identifier: MIT */
 #include "registration/config/config.h"
 #include "registration/registration.h"
 #include "registration/tick/iteration_steps.h"
 
-/* smr_replay.state: no iteration is under way, or one has begun, or one has its forces and waits for its last step. */
+/* smr_replay.state, by the last record of a tick: it ended an iteration; forces were incomplete, and nothing is
+ * computed here yet; forces were complete, and all but the last step is computed. */
 enum { SMR_REPLAY_BETWEEN = 0, SMR_REPLAY_BEGUN, SMR_REPLAY_FORCES };
 
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
@@ -44,7 +46,7 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
     return smr_set_landmarks(r->s, r->landmark, record->count);
 }
 
-/* Returns 1 when only the forces of an iteration read this kind of input. */
+/* Returns 1 when an iteration that has its forces goes on after an input of this kind. */
 static int of_forces(uint32_t kind)
 {
     return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
@@ -105,10 +107,10 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     }
 }
 
-/* Runs the iteration up to the step that runs this. */
-static smr_status run_until(const smr_replay *r, smr_run_task *step)
+/* Runs the iteration up to the step whose tasks `run` does. */
+static smr_status run_until(const smr_replay *r, smr_run_task *run)
 {
-    const smr_status status = smr_tick_until(r->s, step);
+    const smr_status status = smr_tick_until(r->s, run);
     return status == SMR_PARTIAL ? SMR_OK : status;
 }
 
@@ -138,7 +140,7 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     return found;
 }
 
-/* Repeats an iteration as far as inputs that follow the record can tell. */
+/* Repeats an iteration up to the point that an input after this record may depend on. */
 static smr_status take_tick(smr_replay *r, const smr_log_record *record)
 {
     const int has_forces = record->complete || record->phase != SMR_PHASE_FORCES;

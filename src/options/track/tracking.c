@@ -122,7 +122,7 @@ static float share_without_image(const smr *s)
 {
     const smr_surface_goals *g = &s->forces.surface;
     uint32_t n_found = 0;
-    for (uint32_t v = 0; v < s->schedule.n_active; v++) {
+    for (uint32_t v = 0; v < s->shared.n; v++) {
         const int part = SMR_HAS_PARTIAL && smr_visibility_always_partial(g, smr_model_owner(s->shared.model, v));
         n_found += s->forces.found_last[v] == SMR_FOUND_GOAL && (!part || g->visibility[v] > 0u);
     }

@@ -60,6 +60,8 @@ typedef struct smr_schedule {
     uint32_t repaired;         /* SMR_REPAIRED after a repair that moved vertices, one less in each iteration, to 0 */
     uint32_t n_set;            /* number of times that targets were set */
     uint32_t serial_of_forces; /* n_set when the last forces were complete */
+    uint32_t others;           /* number of structures whose targets held other bodies in the last complete forces */
+    uint32_t part_at_begin;    /* 1: a target showed a part of the model when the last iteration began */
     uint32_t serial;           /* n_set of the targets that x follows; 0: x is the start */
     uint32_t n_active;         /* the first n_active stored vertices are active; clusters move the others */
     uint32_t n_active_chosen;  /* the caller's choice of n_active (smr_set_active); 0: none */

@@ -57,6 +57,7 @@ SMR_SELDOM void smr_schedule_start(smr *s)
     s->forces.surface.limit = s->forces.surface.limit_next = 0.0f;
     if (smr_visibility_on(&s->forces.surface))
         smr_visibility_start(&s->forces.surface);
+    s->schedule.part_at_begin = (uint32_t)smr_shows_part(s);
     begin_targets(&s->forces.surface);
     smr_radius_go(s, s->shared.config.schedule.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have fitted the rest pose to other positions */
@@ -140,6 +141,7 @@ static void choose_momentum(smr *s)
 void smr_schedule_begin(smr *s)
 {
     const int tracks = smr_tracks(&s->schedule);
+    s->schedule.part_at_begin = (uint32_t)smr_shows_part(s);
     s->shape.rest_pose_before = s->shape.rest_pose;
     if (tracks)
         smr_tracking_begin(s);

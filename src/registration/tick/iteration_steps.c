@@ -18,6 +18,9 @@ static void forces_end(smr *s)
     const smr_force_totals *t = &s->forces.totals;
     smr_forces_end(&s->forces);
     s->schedule.serial_of_forces = s->schedule.n_set;
+    s->schedule.others = 0;
+    for (uint32_t i = 0; i < s->shared.n_structures; i++)
+        s->schedule.others += s->forces.surface.target[i].others;
     smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
     s->report.details.n_taken = s->schedule.n_active;
     s->report.details.n_active = t->n_with_target;
@@ -131,6 +134,13 @@ SMR_SELDOM void smr_abandon_iteration(smr *s)
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
     if (s->step > 0u) /* the first step does not change it */
         s->shape.rest_pose = s->shape.rest_pose_before;
+    if (SMR_HAS_HELD && s->shape.track_pose_last != NULL && s->schedule.tracking) {
+        s->shape.track_rest->due =
+            1; /* poses of structures, those of the abandoned iteration perhaps, are fitted again */
+        for (uint32_t i = 0; i < smr_track_rest_sum_tasks(&s->shape); i++)
+            smr_track_rest_sum(&s->shape, i, 0);
+        smr_track_rest_sum_end(&s->shape);
+    }
     smr_iteration_reset(s, 0, 1);
     smr_triangles_now(&s->shape);
 }

@@ -263,10 +263,10 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     smr_status status = SMR_OK;
     for (; !smr_idle(&s->schedule) && s->step < smr_n_steps; s->step++) {
         const smr_step *step = &smr_steps[s->step];
-        if (!smr_step_on(s, step))
-            continue;
         if (step->run == w->until)
             return SMR_PARTIAL;
+        if (!smr_step_on(s, step))
+            continue;
         const uint32_t n_tasks = smr_step_tasks(s, step);
         const uint64_t before = w->last;
         if (n_tasks > 0u)
@@ -331,4 +331,4 @@ SMR_SELDOM smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *repo
     return run_tick(s, budget_ns, NULL, report);
 }
 
-SMR_SELDOM smr_status smr_tick_until(smr *s, smr_run_task *step) { return run_tick(s, 0, step, NULL); }
+SMR_SELDOM smr_status smr_tick_until(smr *s, smr_run_task *run) { return run_tick(s, 0, run, NULL); }
