@@ -57,8 +57,8 @@ static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
     return due && smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
 }
 
-/* smr_tick() without a budget that ends, with SMR_PARTIAL, before the step whose tasks `run` does, in use or not. The
- * next tick resumes there. */
+/* smr_tick() without a budget that ends, with SMR_PARTIAL, before the step whose tasks `run` does. The next tick
+ * resumes there. */
 smr_status smr_tick_until(smr *s, smr_run_task *run);
 
 smr_run_task smr_refit_again;                /* step: updates triangles after fold steps */

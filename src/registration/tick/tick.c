@@ -263,10 +263,10 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     smr_status status = SMR_OK;
     for (; !smr_idle(&s->schedule) && s->step < smr_n_steps; s->step++) {
         const smr_step *step = &smr_steps[s->step];
-        if (step->run == w->until)
-            return SMR_PARTIAL;
         if (!smr_step_on(s, step))
             continue;
+        if (step->run == w->until)
+            return SMR_PARTIAL;
         const uint32_t n_tasks = smr_step_tasks(s, step);
         const uint64_t before = w->last;
         if (n_tasks > 0u)
