@@ -667,7 +667,7 @@ smr_config smr_config_default_image(void);
 
 /* Sets the image of every structure without a target surface; the library borrows the image until the next image. NULL
  * removes the image. The schedule restarts from the present positions. While the model follows moving targets
- * (config.track), a new image is followed, too: profiles are searched 0.3 nearer than at the schedule's start, within
+ * (config.track), a new image is followed, too: profiles are searched from 0.3 of the way to profile_end_mm on, within
  * half the radius. The memory of the previous image is free when the call returns. Tangentially, and at vertices
  * without a goal, structures then follow a smooth displacement field from the schedule's result through all vertices
  * with a goal. Once surfaces, clouds (except for added points) or landmarks are set again without a new image, the

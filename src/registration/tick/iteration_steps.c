@@ -135,8 +135,7 @@ SMR_SELDOM void smr_abandon_iteration(smr *s)
     if (s->step > 0u) /* the first step does not change it */
         s->shape.rest_pose = s->shape.rest_pose_before;
     if (SMR_HAS_HELD && s->shape.track_pose_last != NULL && s->schedule.tracking) {
-        s->shape.track_rest->due =
-            1; /* poses of structures, those of the abandoned iteration perhaps, are fitted again */
+        s->shape.track_rest->due = 1; /* the poses may be those of the abandoned iteration: fits them to x again */
         for (uint32_t i = 0; i < smr_track_rest_sum_tasks(&s->shape); i++)
             smr_track_rest_sum(&s->shape, i, 0);
         smr_track_rest_sum_end(&s->shape);
