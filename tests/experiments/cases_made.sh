@@ -142,9 +142,8 @@ group_views() {
     within view $(either all 10 5)-near_vertex_sum 0 $(either all 19 9)-near_surface_sum 0 # so many are near, or more
 }
 
-# Clouds of points of one side, many and few, at once and arriving, with and without normals.
-# What a target holds beside the model: neighbours in the same file, moved by the same field, and strays in a cloud. Each
-# row is held against the target alone: 1.15 times or 0.3 mm more, the worst vertex 3 mm.
+# What a target holds beside the model: neighbours in the same file, moved by the same field, and strays in a cloud or a
+# mesh. Each row is held against the target alone: 1.15 times or 0.3 mm more, the worst vertex 3 mm.
 group_scene() {
     need hip_thigh_vhm ct_hips_surfaces || return
     v=data/hip_thigh_vhm c=data/ct_hips_surfaces
@@ -170,11 +169,18 @@ group_scene() {
     strays() { # bone, seed
         tool make seed=$2 deform=6 sigma=80 shift=8 turn=8 case $v/$1.ply >/dev/null
         smr build --model case/model/*.ply -o model.smr
+        ends alone:$1:$2 --target case/target/*.ply
         for line in '0 0 1 clean' '0.01 0 1.1 strays1' '0.05 0 1.2 strays5' '0.2 0 1.5 strays20' '0 0.1 1.2 blob'; do
             set -- $1 $2 $line
             tool cloud case points 2000 0.5 $3 $4 $2
             ends $6:$1:$2 --target points/*.ply
             record $6:$1:$2.held "$6:$1:$2.vertex<=$5*clean:$1:$2.vertex+0.05 && $6:$1:$2.worst<=clean:$1:$2.worst+3"
+        done
+        for line in '0.01 1.1 mesh1' '0.05 1.2 mesh5' '0.2 1.5 mesh20'; do
+            set -- $1 $2 $line
+            tool make seed=$2 deform=6 sigma=80 shift=8 turn=8 outliers=$3 case $v/$1.ply >/dev/null
+            ends $5:$1:$2 --target case/target/*.ply
+            record $5:$1:$2.held "$5:$1:$2.vertex<=$4*alone:$1:$2.vertex+0.05 && $5:$1:$2.worst<=alone:$1:$2.worst+3"
         done
         rm -r case
     }
@@ -189,12 +195,13 @@ group_scene() {
         done
     done; done
     for bone in $(either short hip_bone 'femur hip_bone'); do for seed in $(seq $(either all 3 1)); do strays $bone $seed; done; done
-    for line in scene strays1 strays5 strays20 blob; do over $line; done
+    for line in scene strays1 strays5 strays20 blob mesh1 mesh5 mesh20; do over $line; done
     bound 'scenes of neighbours that do not hold' scene.rows-scene.held_sum 0
-    for line in strays1 strays5 strays20 blob; do bound "$line: rows that do not hold" $line.rows-$line.held_sum 0; done
+    for line in strays1 strays5 strays20 blob mesh1 mesh5 mesh20; do bound "$line: rows that do not hold" $line.rows-$line.held_sum 0; done
     bound 'scenes called failed' scene.failed_sum 0
 }
 
+# Clouds of points of one side, many and few, at once and arriving, with and without normals.
 group_points() {
     need femurs hip_thigh_vhm ct_hips_surfaces || return
     cloud() { # line, points, so many a tick, normals, sweep, bound
