@@ -406,7 +406,7 @@ group_joints() {
         measure $row case
         bound "$row: good" "$row.good" 0
         [ $cut -eq 1 ] || within $row surface 0.3 vertex 0.5+$degrees*$degrees/1000
-        case $row in figure:20:1) within $row shown 2.5 ;; figure:40:1) within $row shown 5 ;; esac
+        case $row in figure:20:1) within $row shown 1.27 ;; figure:40:1) within $row shown 4 ;; figure:60:1) within $row shown 17.3 ;; esac
         rm -r case
     done; done
 }

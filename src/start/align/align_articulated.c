@@ -5,15 +5,16 @@
  * follows a point only where the target faces as the patch does, where a neighbour has found the target, and where no
  * patch elsewhere on the model lies nearer: limbs side by side stay apart, and what the target lacks is carried along.
  * The result is taken when it explains both surfaces much better than the start pose, and most of one of them; where a
- * surface lacks a part of the other, when it explains that surface nearly whole.
+ * surface lacks a part of the other, when it explains that surface nearly whole. Rigid bodies then follow the target.
  * Bounds: rounds * steps searches from each patch; a step is a ring of patches around the seed.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_patches.h"
 
 #define SMR_BENT_CELLS 1200.0f    /* area of the model / squared radius of a cell */
 #define SMR_BENT_ROUNDS 20u       /* number of rounds in a step */
-#define SMR_BENT_LIMIT 0.12f      /* distance at which a place costs 1 / spread of the model */
 #define SMR_BENT_LAST 40u         /* number of rounds after all have joined */
+#define SMR_BENT_TOGETHER 24u     /* number of rounds in which rigid bodies then follow the target */
+#define SMR_BENT_SETTLE 10u       /* number of rounds after that */
 #define SMR_BENT_AGREE 0.05f      /* distance at which members of a part agree by a half / radius of a cell */
 #define SMR_BENT_STRICTER 0.85f   /* this distance / that of the round before; it starts at a radius */
 #define SMR_BENT_DEAR 0.1f        /* smallest cost of the start pose on both sides with which parts are bent */
@@ -31,18 +32,13 @@
 #define SMR_BENT_NEW 64u    /* patches that a task clears */
 #define SMR_BENT_MOVED 16u  /* vertices that a task moves */
 
-typedef struct bent_job {
-    smr_job_head head;
-    smr_bent *w;
-    uint32_t changes; /* sum of the surfaces' smr_surface.changes at the begin */
-} bent_job;
-
-_Static_assert(sizeof(bent_job) <= SMR_JOB_BYTES, "a call in progress is found by the caller's job");
+_Static_assert(sizeof(smr_bent_job) <= SMR_JOB_BYTES, "a call in progress is found by the caller's job");
 
 static void layout(smr_arena *arena, const smr_surface *model, const smr_surface *target, smr_bent **work, smr_bent *w)
 {
     *work = smr_arena_take(arena, 1, sizeof **work);
     w->patch = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->patch);
+    w->body = smr_arena_take(arena, SMR_BENT_BODIES, sizeof *w->body);
     w->slice = smr_arena_take(arena, SMR_BENT_SLICES, sizeof *w->slice);
     w->owner = smr_arena_take(arena, SMR_CELLS_MOST, sizeof *w->owner);
     for (uint32_t i = 0; i < SMR_SIDES; i++) {
@@ -52,10 +48,7 @@ static void layout(smr_arena *arena, const smr_surface *model, const smr_surface
     }
 }
 
-/* Stages that others go back or on to. */
-enum { SMR_BENT_DIVIDE = 2, SMR_BENT_FIND = 5, SMR_BENT_MEASURE = 12, SMR_BENT_MOVE = 17, SMR_BENT_END };
-
-static smr_bent *work_of(const void *job) { return ((const bent_job *)job)->w; }
+static smr_bent *work_of(const void *job) { return ((const smr_bent_job *)job)->w; }
 static uint32_t patch_tasks(const void *job) { return work_of(job)->side[SMR_MODEL].n; }
 
 /* ---- cells and patches ---- */
@@ -95,7 +88,7 @@ static void chain(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 
 static void divide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     smr_cells *const side = j->w->side;
     int more = 1;
     for (uint32_t i = 0; i < SMR_BENT_VISITS && more; i++)
@@ -139,7 +132,7 @@ static void find_goals(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 /* Goes back to searches that are not complete, or to the next ones. */
 static void end_goals(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     smr_bent *w = j->w;
     const uint32_t n = slice_tasks(job);
     uint32_t done = 0;
@@ -156,11 +149,15 @@ static void end_goals(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
 
 static void own_cells(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     const smr_bent *w = j->w;
     smr_patches_own(w);
-    if (w->step == 0u || (w->agree2 > 0.0f && w->round == SMR_BENT_LAST)) /* the start pose, or the result, stands */
-        j->head.next_stage = SMR_BENT_MEASURE;
+    if (w->step == 0u || (w->agree2 > 0.0f && w->round == SMR_BENT_LAST && w->n_bodies == 0u))
+        j->head.next_stage = SMR_BENT_MEASURE; /* the start pose, or the result, stands */
+    else if (w->n_bodies > 0u && w->body_round < SMR_BENT_TOGETHER)
+        j->head.next_stage = SMR_BENT_SUM;
+    else if (w->n_bodies > 0u && w->round == SMR_BENT_LAST + SMR_BENT_SETTLE)
+        j->head.next_stage = SMR_BENT_MOVE;
 }
 
 static uint32_t extend_tasks(const void *job)
@@ -181,7 +178,7 @@ static void fit_motions(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 /* Ends a round, and after the last one a step. */
 static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     smr_bent *w = j->w;
     const float cell2 = w->radius * w->radius;
     for (uint32_t k = 0; k < w->patch[w->seed].n_near && w->agree2 == 0.0f; k++)
@@ -202,7 +199,7 @@ static uint32_t join_tasks(const void *job) { return smr_ceil_div(work_of(job)->
 /* After a step the neighbours of all patches join; once there are none, parts become rigid. */
 static void join(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     smr_bent *w = j->w;
     const smr_piece piece = smr_piece_of(task, SMR_BENT_PIECE, w->side[SMR_MODEL].n);
     j->head.next_stage = SMR_BENT_FIND;
@@ -241,46 +238,17 @@ static void measure(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 
 static uint32_t limit_tasks(const void *job) { return work_of(job)->step == 0u; }
 
-/* Sets the distance at which a place costs 1, from the spread of the model in the start pose. */
 static void set_limit(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    smr_bent *w = work_of(job);
-    const smr_cells *m = &w->side[SMR_MODEL];
-    smr_vec sum = smr_v(0, 0, 0);
-    float squares = 0.0f, all = 0.0f;
-    for (uint32_t i = 0; i < m->n; i++) {
-        const smr_vec d = smr_sub(w->patch[i].rest, w->patch[0].rest);
-        sum = smr_add(sum, smr_scale(d, m->cell[i].area));
-        squares += smr_dot(d, d) * m->cell[i].area;
-        all += m->cell[i].area;
-    }
-    const smr_vec mean = smr_scale(sum, 1.0f / all);
-    w->limit2 = SMR_BENT_LIMIT * SMR_BENT_LIMIT * smr_positive(squares / all - smr_dot(mean, mean)) + FLT_MIN;
-}
-
-/* Returns the cost of a cell, 0..1. */
-static float cost_of(const smr_bent *w, uint32_t side, uint32_t i)
-{
-    return smr_min(w->d2[side][i], w->limit2) / w->limit2;
-}
-
-/* Returns the mean cost of a side; 1 without area. Not inlined: unused lanes of two quotients trap on 0 / 0. */
-__attribute__((noinline)) static float mean_cost(const smr_bent *w, uint32_t side)
-{
-    float sum = 0.0f, all = 0.0f;
-    for (uint32_t i = 0; i < w->side[side].n; i++) {
-        sum += cost_of(w, side, i) * w->side[side].cell[i].area;
-        all += w->side[side].cell[i].area;
-    }
-    return all > 0.0f ? sum / all : 1.0f;
+    smr_patches_set_limit(work_of(job));
 }
 
 /* Decides on the start pose, or on the result. */
 static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     smr_bent *w = j->w;
-    const float on_model = mean_cost(w, SMR_MODEL), on_target = mean_cost(w, SMR_TARGET);
+    const float on_model = smr_patches_mean_cost(w, SMR_MODEL), on_target = smr_patches_mean_cost(w, SMR_TARGET);
     const float least = smr_min(on_model, on_target), both = smr_cost_of_sides(on_model, on_target);
     const int part = smr_max(on_model, on_target) > SMR_BENT_PART;
     if (w->step == 0u) {
@@ -294,7 +262,7 @@ static void decide(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t work
     const float alike = smr_max(SMR_BENT_SAME * w->least, part ? SMR_BENT_ALIKE : 0.0f);
     if (least <= (other ? alike : SMR_BENT_UNEXPLAINED) && ((other && part) || both <= SMR_BENT_CHEAPER * w->before))
         *w->bent = 1u + (uint32_t)(1.0e6f * both);
-    j->head.next_stage = *w->bent > 0u ? SMR_BENT_MOVE : SMR_BENT_END;
+    j->head.next_stage = *w->bent > 0u ? SMR_BENT_GATHER : SMR_BENT_END;
 }
 
 /* Sums the costs around a patch. */
@@ -304,14 +272,14 @@ static void weigh(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     smr_patch *const p = &w->patch[task];
     p->weight = 0.0f;
     for (uint32_t k = 0; k < p->n_near; k++)
-        p->weight += cost_of(w, SMR_MODEL, p->member[k]);
+        p->weight += smr_patches_cost(w, SMR_MODEL, p->member[k]);
     p->joined = p->found = 0;
 }
 
 /* Chooses the seed, around which the start pose costs least. */
 static void seed(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 {
-    bent_job *const j = job;
+    smr_bent_job *const j = job;
     smr_bent *w = j->w;
     const smr_patch *best = w->patch;
     float least = best->weight / (float)best->n_near;
@@ -358,6 +326,14 @@ static const smr_stage stages[] = {
     {patch_tasks, fit_motions, NULL, NULL},
     {NULL, end_round, NULL, NULL},
     {join_tasks, join, smr_in_order, NULL},
+    {smr_bodies_halves, smr_bodies_gather, NULL, NULL},
+    {NULL, smr_bodies_begin, NULL, NULL},
+    {smr_bodies_pieces, smr_bodies_take, smr_in_order, NULL},
+    {smr_bodies_pieces, smr_bodies_share, smr_in_order, NULL},
+    {smr_bodies_pieces, smr_bodies_sum, smr_in_order, NULL},
+    {smr_bodies_count, smr_bodies_move, NULL, NULL},
+    {smr_bodies_pieces, smr_bodies_follow, smr_in_order, NULL},
+    {NULL, smr_bodies_end_round, NULL, NULL},
     {measure_tasks, measure, NULL, NULL},
     {limit_tasks, set_limit, NULL, NULL},
     {NULL, decide, NULL, NULL},
@@ -370,7 +346,7 @@ static int is_mesh(const smr_surface *s) { return smr_surface_valid(s) && !smr_i
 
 static int is_unchanged(void *job, int enter)
 {
-    const bent_job *j = job;
+    const smr_bent_job *j = job;
     const smr_surface *a = j->w->side[SMR_MODEL].surface, *b = j->w->side[SMR_TARGET].surface;
     return !enter || (is_mesh(a) && is_mesh(b) && a->changes + b->changes == j->changes);
 }
@@ -392,7 +368,7 @@ smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *ta
                                  const smr_port *port, void *memory, size_t bytes, float *xyz, uint32_t *bent,
                                  smr_job *job)
 {
-    bent_job *const j = (bent_job *)(void *)job;
+    smr_bent_job *const j = (smr_bent_job *)(void *)job;
     smr_arena arena;
     smr_bent w = {.xyz = xyz, .bent = bent};
     if (model == NULL || target == NULL || start == NULL || xyz == NULL || bent == NULL || job == NULL)

@@ -6,6 +6,7 @@
 
 #define SMR_BENT_REACH 3.0f     /* search range / radius of a cell */
 #define SMR_BENT_NODES 400u     /* largest number of nodes that a search opens */
+#define SMR_BENT_LIMIT 0.12f    /* distance at which a place costs 1 / spread of the model */
 #define SMR_BENT_COS 0.8f       /* smallest cosine between the normals of a patch and of its closest point */
 #define SMR_BENT_COVER_COS 0.3f /* the same of a cell of the target and of the patch that covers it */
 #define SMR_BENT_BESIDE 1.5f    /* distance beside the middle of a patch up to which it covers / radius of a cell */
@@ -61,6 +62,7 @@ void smr_patch_set(const smr_bent *w, uint32_t i)
     p->normal = smr_unit(smr_pose_turn(&w->start, smr_get3(m->surface->normal, m->cell[i].middle)));
     p->motion = identity;
     p->joined = 1;
+    p->body = SMR_NONE;
     add_once(p->member, &p->n, SMR_BENT_MEMBERS, i);
     add_neighbours(w, p, 0, p->n_links); /* neighbours follow the patch itself */
     p->n_near = p->n;
@@ -179,4 +181,35 @@ float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal)
     }
     const float beside = SMR_SQRT(smr_positive(least - up * up)) - SMR_BENT_BESIDE * w->radius;
     return up * up + smr_positive(beside) * smr_positive(beside);
+}
+
+void smr_patches_set_limit(smr_bent *w)
+{
+    const smr_cells *m = &w->side[SMR_MODEL];
+    smr_vec sum = smr_v(0, 0, 0);
+    float squares = 0.0f, all = 0.0f;
+    for (uint32_t i = 0; i < m->n; i++) {
+        const smr_vec d = smr_sub(w->patch[i].rest, w->patch[0].rest);
+        sum = smr_add(sum, smr_scale(d, m->cell[i].area));
+        squares += smr_dot(d, d) * m->cell[i].area;
+        all += m->cell[i].area;
+    }
+    const smr_vec mean = smr_scale(sum, 1.0f / all);
+    w->limit2 = SMR_BENT_LIMIT * SMR_BENT_LIMIT * smr_positive(squares / all - smr_dot(mean, mean)) + FLT_MIN;
+}
+
+float smr_patches_cost(const smr_bent *w, uint32_t side, uint32_t i)
+{
+    return smr_min(w->d2[side][i], w->limit2) / w->limit2;
+}
+
+/* 1 without area. Not inlined: unused lanes of two quotients trap on 0 / 0. */
+__attribute__((noinline)) float smr_patches_mean_cost(const smr_bent *w, uint32_t side)
+{
+    float sum = 0.0f, all = 0.0f;
+    for (uint32_t i = 0; i < w->side[side].n; i++) {
+        sum += smr_patches_cost(w, side, i) * w->side[side].cell[i].area;
+        all += w->side[side].cell[i].area;
+    }
+    return all > 0.0f ? sum / all : 1.0f;
 }

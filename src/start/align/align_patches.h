@@ -8,6 +8,7 @@
 
 #define SMR_BENT_LINKS 10u   /* largest number of neighbours of a patch */
 #define SMR_BENT_MEMBERS 64u /* largest number of members of a patch */
+#define SMR_BENT_BODIES 16u  /* largest number of rigid bodies */
 #define SMR_BENT_SLICES 32u  /* largest number of searches in work */
 
 /* A patch: the rigid motion of a cell of the model. Places are mm from the target's origin. */
@@ -20,6 +21,7 @@ typedef struct smr_patch {
     float d2;                          /* squared distance to the closest point, mm^2; FLT_MAX: none */
     uint32_t on;                       /* the target's cell with the closest point; SMR_NONE: none */
     uint32_t joined;                   /* step in which the patch joined; 0: not yet */
+    uint32_t body;                     /* the rigid body to which it belongs; SMR_NONE: none */
     uint32_t found;                    /* 1: the goal of the round before had a weight */
     uint32_t n_links;                  /* number of neighbours */
     uint32_t link[SMR_BENT_LINKS];     /* [n_links] patches whose cells share an edge with this one */
@@ -27,10 +29,23 @@ typedef struct smr_patch {
     uint32_t member[SMR_BENT_MEMBERS]; /* [n] the patch itself, its neighbours, theirs and so on */
 } smr_patch;
 
+#define SMR_BODY_UNKNOWNS 6u /* a turn and a shift */
+
+/* Patches that move as a rigid body, and the sums of the least squares by which it follows the target. */
+typedef struct smr_body {
+    smr_pose motion; /* from the start pose */
+    smr_vec centre;  /* about which it turns, mm from the target's origin */
+    float matrix[SMR_BODY_UNKNOWNS][SMR_BODY_UNKNOWNS];
+    float right[SMR_BODY_UNKNOWNS][3]; /* the first column is used */
+} smr_body;
+
 /* State of a call, in the caller's memory. */
 typedef struct smr_bent {
     smr_cells side[SMR_SIDES];
     smr_patch *patch;       /* [SMR_CELLS_MOST] */
+    smr_body *body;         /* [SMR_BENT_BODIES] */
+    uint32_t n_bodies;      /* number of bodies */
+    uint32_t body_round;    /* number of rounds in which they have followed the target */
     smr_align_slice *slice; /* [SMR_BENT_SLICES] searches of closest points in work */
     uint32_t next;          /* patch of the first of them */
     uint32_t *owner;        /* [SMR_CELLS_MOST] the patch that is nearest on each cell of the target; SMR_NONE: none */
@@ -67,5 +82,42 @@ void smr_patch_extend(const smr_bent *w, smr_patch *p);
 void smr_patch_fit(const smr_bent *w, smr_patch *p);
 /* Returns the squared distance of a point from the tangent plane of the nearest patch that faces as `normal`, mm^2. */
 float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal);
+
+/* ---- align_articulated.c: the job ---- */
+
+typedef struct smr_bent_job {
+    smr_job_head head;
+    smr_bent *w;
+    uint32_t changes; /* sum of the surfaces' smr_surface.changes at the begin */
+} smr_bent_job;
+
+/* Stages that others go back or on to. */
+enum {
+    SMR_BENT_DIVIDE = 2,
+    SMR_BENT_FIND = 5,
+    SMR_BENT_GATHER = 12,
+    SMR_BENT_SHARE = 15,
+    SMR_BENT_SUM = 16,
+    SMR_BENT_MEASURE = 20,
+    SMR_BENT_MOVE = 25,
+    SMR_BENT_END
+};
+
+/* ---- align_bodies.c: stages ---- */
+
+/* Bodies are begun: each patch that has found the target and belongs to no body gathers the area of such patches that
+ * agrees with its motion; a body begins with the motion that gathered most; such patches join it, piece by piece; and
+ * again, until little is gathered. Then all patches get a body, piece by piece, and its motion. */
+smr_run_task smr_bodies_gather, smr_bodies_begin, smr_bodies_take, smr_bodies_share;
+/* A round, after closest points are found: least squares are summed, piece by piece in order; each body solves its own
+ * and moves; patches go over to a neighbour's body that takes them nearer to their goals, in order. */
+smr_run_task smr_bodies_sum, smr_bodies_move, smr_bodies_follow, smr_bodies_end_round;
+smr_count_tasks smr_bodies_count, smr_bodies_halves, smr_bodies_pieces;
+
+/* ---- align_patches.c: costs ---- */
+
+void smr_patches_set_limit(smr_bent *w); /* sets limit2 from the spread of the model in the start pose */
+float smr_patches_cost(const smr_bent *w, uint32_t side, uint32_t i); /* returns the cost of a cell, 0..1 */
+float smr_patches_mean_cost(const smr_bent *w, uint32_t side);        /* returns the mean cost of a side */
 
 #endif
