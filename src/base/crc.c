@@ -39,13 +39,12 @@ static const uint32_t table[16][16] = {
      0xd3e51bb5u, 0x1f4f1b2bu, 0x91c01cc8u, 0x5d6a1c56u, 0x57af154fu, 0x9b0515d1u, 0x158a1232u, 0xd92012acu},
 };
 
-/* Returns the CRC of four bytes that `behind` zero half bytes follow. */
-static inline uint32_t crc_of(uint32_t bytes, uint32_t behind)
+/* Returns the CRC of four bytes; t: the table from their last half byte on. Written out: a loop takes 2.5 times as many
+ * instructions on a Cortex-M. */
+static inline uint32_t crc_of(uint32_t bytes, const uint32_t (*t)[16])
 {
-    uint32_t crc = 0;
-    for (uint32_t i = 0; i < 8u; i++)
-        crc ^= table[behind + 7u - i][bytes >> 4u * i & 15u];
-    return crc;
+    return t[7][bytes & 15u] ^ t[6][bytes >> 4u & 15u] ^ t[5][bytes >> 8u & 15u] ^ t[4][bytes >> 12u & 15u] ^
+           t[3][bytes >> 16u & 15u] ^ t[2][bytes >> 20u & 15u] ^ t[1][bytes >> 24u & 15u] ^ t[0][bytes >> 28u];
 }
 
 static inline uint32_t four(const unsigned char *p)
@@ -58,7 +57,7 @@ uint32_t smr_crc32(uint32_t crc, const void *data, size_t n)
     const unsigned char *p = data;
     crc = ~crc;
     for (; n >= 8u; n -= 8u, p += 8)
-        crc = crc_of(crc ^ four(p), 8) ^ crc_of(four(p + 4), 0);
+        crc = crc_of(crc ^ four(p), table + 8) ^ crc_of(four(p + 4), table);
     for (; n > 0u; n--, p++) {
         crc ^= *p;
         crc = crc >> 4 ^ table[0][crc & 15u];
