@@ -584,8 +584,8 @@ smr_status smr_align_begin(const smr_surface *model, const smr_surface *target, 
 
 /* Finds start positions xyz[n_vertices][3], mm, of one surface whose parts have turned about joints. The target may
  * show a part. start: one part lies about right in it. *bent 0: it explains both surfaces, or turned parts do not; xyz
- * stays. Else 1 + 1e6 * the unexplained share, 0..1.5: of several starts the least is right. memory: SMR_ALIGN-aligned,
- * smr_articulated_bytes(). Errors: E_NULL, E_STATE (no mesh), E_INPUT (start), E_ALIGN, E_ARENA. */
+ * stays. Else 1 + 1e6 * the share unexplained before rigid parts move, 0..1.5: the least of several is right. memory:
+ * SMR_ALIGN-aligned, smr_articulated_bytes(). Errors: E_NULL, E_STATE (no mesh), E_INPUT (start), E_ALIGN, E_ARENA. */
 smr_status smr_articulated_bytes(const smr_surface *model, const smr_surface *target, size_t *bytes);
 smr_status smr_articulated_begin(const smr_surface *model, const smr_surface *target, const smr_pose *start,
                                  const smr_port *port, void *memory, size_t bytes, float *xyz, uint32_t *bent,

@@ -89,6 +89,20 @@ TEST(test_bends)
     }
 }
 
+/* A round limb: no place tells of turns about its length, which no body may follow. */
+TEST(test_round)
+{
+    static const float stretch[9] = {1, 0, 0, 0, 1, 0, 0, 0, 10}, centre[3] = {0, 0, 0};
+    const smr_mesh ball = rig_ball(20.0f, 80, 40, centre), rest = rig_moved(&ball, stretch, centre);
+    float *at = rig_alloc(12u * (size_t)rest.n_vertices);
+    for (float degrees = 30.0f; degrees < 60.0f; degrees += 20.0f) {
+        const smr_mesh target = bent(&rest, degrees);
+        assert_true(found(&rest, &target, &here, 0, NULL, at) > 0u);
+        assert_true(rig_mean_far(at, target.xyz, rest.n_vertices) < FOUND_MM);
+    }
+    rig_free_all();
+}
+
 /* A limb, thicker on one side of its lower half, started in place and turned about its length: the least is right. */
 TEST(test_tells_back_from_front)
 {

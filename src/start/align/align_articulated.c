@@ -6,14 +6,13 @@
  * patch elsewhere on the model lies nearer: limbs side by side stay apart, and what the target lacks is carried along.
  * The result is taken when it explains both surfaces much better than the start pose, and most of one of them; where a
  * surface lacks a part of the other, when it explains that surface nearly whole. Rigid bodies then follow the target.
- * Bounds: rounds * steps searches from each patch; a step is a ring of patches around the seed.
+ * Bounds: rounds * steps searches from each patch, a step is a ring of patches around the seed; then one in each round.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_patches.h"
 
 #define SMR_BENT_CELLS 1200.0f    /* area of the model / squared radius of a cell */
 #define SMR_BENT_ROUNDS 20u       /* number of rounds in a step */
 #define SMR_BENT_LAST 40u         /* number of rounds after all have joined */
-#define SMR_BENT_TOGETHER 24u     /* number of rounds in which rigid bodies then follow the target */
 #define SMR_BENT_SETTLE 10u       /* number of rounds after that */
 #define SMR_BENT_AGREE 0.05f      /* distance at which members of a part agree by a half / radius of a cell */
 #define SMR_BENT_STRICTER 0.85f   /* this distance / that of the round before; it starts at a radius */

@@ -14,7 +14,9 @@
 #define SMR_BODY_SLIDE 0.05f  /* the same when a patch goes over to another body */
 #define SMR_BODY_LEAST 0.01f  /* smallest share of the area that has a goal, to begin a body */
 #define SMR_BODY_FIT 0.2f     /* distance across the surface at which a goal counts a quarter / radius of a cell */
-#define SMR_BODY_HOLD 1.0e-4f /* weight of the place that a patch has, relative to its goal's */
+#define SMR_BODY_HOLD 1.0e-4f /* weight of the place that a patch has, relative to its goal's, at first */
+#define SMR_BODY_FIRMER 10.0f /* factor on it after a move that is taken back */
+#define SMR_BODY_LOOSER 0.5f  /* factor on it after any other move */
 #define SMR_BODY_SEAM 0.01f   /* the same of its place by all bodies around it, where all of them are others */
 
 #define SMR_BODY_PIECE 32u /* patches in a task */
@@ -64,7 +66,7 @@ void smr_bodies_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
         best = support > most ? i : best;
         most = smr_max(most, support);
     }
-    if (w->n_bodies == SMR_BENT_BODIES || !(most > SMR_BODY_LEAST * all)) {
+    if (!(most > SMR_BODY_LEAST * all)) {
         ((smr_bent_job *)job)->head.next_stage = w->n_bodies > 0u ? SMR_BENT_SHARE : SMR_BENT_MOVE;
         return;
     }
@@ -72,6 +74,8 @@ void smr_bodies_begin(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
     memset(b, 0, sizeof *b);
     b->motion = w->patch[best].motion;
     b->centre = w->patch[best].at;
+    b->hold = SMR_BODY_HOLD;
+    b->least = FLT_MAX;
 }
 
 static smr_piece piece_of(const smr_bent *w, uint32_t task)
@@ -90,7 +94,7 @@ void smr_bodies_take(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
             distance2(p, &w->body[newest].motion, p->at, SMR_BODY_ALONG) < SMR_BODY_REACH * SMR_BODY_REACH * near2(w))
             p->body = newest;
     }
-    ((smr_bent_job *)job)->head.next_stage = SMR_BENT_GATHER;
+    ((smr_bent_job *)job)->head.next_stage = w->n_bodies < SMR_BENT_BODIES ? SMR_BENT_GATHER : SMR_BENT_SHARE;
 }
 
 void smr_bodies_share(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
@@ -130,16 +134,19 @@ void smr_bodies_sum(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
     const smr_piece piece = piece_of(w, task);
     static const smr_vec axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const float fit2 = SMR_BODY_FIT * SMR_BODY_FIT * w->radius * w->radius;
+    const float per_cell = 1.0f / (w->side[SMR_MODEL].radius * w->side[SMR_MODEL].radius);
     for (uint32_t i = piece.first; i < piece.last; i++) {
         const smr_patch *p = &w->patch[i];
         smr_body *const b = &w->body[p->body];
-        const float area = w->side[SMR_MODEL].cell[i].area;
+        if (p->joined == 0u)
+            continue;
+        const float area = w->side[SMR_MODEL].cell[i].area * per_cell;
         const smr_vec at = smr_pose_apply(&p->motion, p->rest), off = smr_sub(p->at, at);
         const smr_vec x = smr_scale(smr_sub(at, b->centre), 1.0f / w->radius);
         float same = 0.0f;
         for (uint32_t k = 0; k < p->n_near; k++)
             same += w->patch[p->member[k]].body == p->body ? 1.0f / (float)p->n_near : 0.0f;
-        const float hold = area * (SMR_BODY_HOLD + SMR_BODY_SEAM * (1.0f - same));
+        const float hold = area * (b->hold + SMR_BODY_SEAM * (1.0f - same));
         for (uint32_t k = 0; k < 3u; k++) {
             add_equation(b, x, axis[k], smr_dot(off, axis[k]), hold);
             b->matrix[k][k] += hold; /* few patches would leave a turn open */
@@ -148,33 +155,55 @@ void smr_bodies_sum(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
             continue;
         const smr_vec normal = smr_pose_turn(&p->motion, p->normal);
         const float across = smr_dot(normal, smr_sub(p->goal, at)), fits = fit2 / (fit2 + across * across);
-        const float inside = same * same * same * same;
-        add_equation(b, x, normal, across, area * inside * inside * fits * fits);
+        const float inside = same * same * same * same, weight = area * inside * inside;
+        add_equation(b, x, normal, across, weight * fits * fits);
+        b->cost += weight * fits * across * across;
+        b->all += weight;
     }
 }
 
-void smr_bodies_move(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Solves the equations, and turns and moves the body. */
+static void move_body(smr_body *b, float radius)
 {
-    const smr_bent *w = work_of(job);
-    smr_body *const b = &w->body[task];
     float x[SMR_BODY_UNKNOWNS][SMR_SOLVE_SIDES], lu[SMR_BODY_UNKNOWNS * SMR_BODY_UNKNOWNS], r[9];
     float residual[SMR_BODY_UNKNOWNS * SMR_SOLVE_SIDES];
     uint32_t pivot[SMR_BODY_UNKNOWNS];
     const smr_system s = {SMR_BODY_UNKNOWNS, &b->matrix[0][0], &b->right[0][0], &x[0][0], lu, residual, pivot};
-    if (smr_system_solve(&s)) {
-        const smr_vec turn = smr_scale(smr_v(x[0][0], x[1][0], x[2][0]), 1.0f / w->radius);
-        const smr_vec rest = smr_pose_turn_back(&b->motion, smr_sub(b->centre, smr_column(&b->motion, 3)));
-        b->centre = smr_add(b->centre, smr_v(x[3][0], x[4][0], x[5][0]));
-        smr_rodrigues(smr_turn_within(turn, SMR_ANGLE_MAX), r);
-        for (uint32_t c = 0; c < 3u; c++) {
-            const smr_vec column = smr_column(&b->motion, c), more = smr_mul(r, column);
-            b->motion.m[0][c] = column.x + more.x;
-            b->motion.m[1][c] = column.y + more.y;
-            b->motion.m[2][c] = column.z + more.z;
-        }
-        b->motion.m[0][3] = b->motion.m[1][3] = b->motion.m[2][3] = 0.0f;
-        smr_pose_onto(&b->motion, rest, b->centre);
+    if (!smr_system_solve(&s))
+        return;
+    const smr_vec turn = smr_scale(smr_v(x[0][0], x[1][0], x[2][0]), 1.0f / radius);
+    const smr_vec rest = smr_pose_turn_back(&b->motion, smr_sub(b->centre, smr_column(&b->motion, 3)));
+    b->centre = smr_add(b->centre, smr_v(x[3][0], x[4][0], x[5][0]));
+    smr_rodrigues(smr_turn_within(turn, SMR_ANGLE_MAX), r);
+    for (uint32_t c = 0; c < 3u; c++) {
+        const smr_vec column = smr_column(&b->motion, c), more = smr_mul(r, column);
+        b->motion.m[0][c] = column.x + more.x;
+        b->motion.m[1][c] = column.y + more.y;
+        b->motion.m[2][c] = column.z + more.z;
     }
+    b->motion.m[0][3] = b->motion.m[1][3] = b->motion.m[2][3] = 0.0f;
+    smr_pose_onto(&b->motion, rest, b->centre);
+}
+
+/* A body that has gone uphill goes back, and is held more firmly: a round one would turn about its axis by facets. */
+void smr_bodies_move(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_bent *w = work_of(job);
+    smr_body *const b = &w->body[task];
+    const float cost = b->all > 0.0f ? b->cost / b->all : FLT_MAX;
+    if (cost > b->least) {
+        b->motion = b->kept_motion;
+        b->centre = b->kept_centre;
+        b->hold *= SMR_BODY_FIRMER;
+    } else {
+        b->least = cost;
+        b->kept_motion = b->motion;
+        b->kept_centre = b->centre;
+        if (w->body_round + 1u < SMR_BENT_TOGETHER)
+            move_body(b, w->radius);
+        b->hold = smr_max(SMR_BODY_LOOSER * b->hold, SMR_BODY_HOLD);
+    }
+    b->cost = b->all = 0.0f;
     memset(b->matrix, 0, sizeof b->matrix);
     memset(b->right, 0, sizeof b->right);
 }

@@ -92,12 +92,14 @@ smr_vec smr_patch_place(const smr_bent *w, const smr_patch *p, smr_vec rest)
 /* Returns 1 when the patch may follow a point on its cell of the target: a neighbour is there, and no other part. */
 static int may_follow(const smr_bent *w, const smr_patch *p)
 {
+    if (w->step == 0u)
+        return 1;
     int near = p->found != 0u, owned = w->owner[p->on] == SMR_NONE;
     for (uint32_t k = 0; k < p->n_links && !near; k++)
         near = w->patch[p->link[k]].found != 0u;
     for (uint32_t k = 0; k < p->n_near && !owned; k++)
         owned = p->member[k] == w->owner[p->on];
-    return w->step == 0u || (near && owned);
+    return near && owned;
 }
 
 int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause)

@@ -6,10 +6,11 @@
 #include "geometry/surface/surface_cells.h"
 #include "start/align/align.h"
 
-#define SMR_BENT_LINKS 10u   /* largest number of neighbours of a patch */
-#define SMR_BENT_MEMBERS 64u /* largest number of members of a patch */
-#define SMR_BENT_BODIES 16u  /* largest number of rigid bodies */
-#define SMR_BENT_SLICES 32u  /* largest number of searches in work */
+#define SMR_BENT_LINKS 10u    /* largest number of neighbours of a patch */
+#define SMR_BENT_MEMBERS 64u  /* largest number of members of a patch */
+#define SMR_BENT_BODIES 16u   /* largest number of rigid bodies */
+#define SMR_BENT_TOGETHER 25u /* number of rounds in which bodies follow the target; in the last they do not move */
+#define SMR_BENT_SLICES 32u   /* largest number of searches in work */
 
 /* A patch: the rigid motion of a cell of the model. Places are mm from the target's origin. */
 typedef struct smr_patch {
@@ -33,8 +34,13 @@ typedef struct smr_patch {
 
 /* Patches that move as a rigid body, and the sums of the least squares by which it follows the target. */
 typedef struct smr_body {
-    smr_pose motion; /* from the start pose */
-    smr_vec centre;  /* about which it turns, mm from the target's origin */
+    smr_pose motion;      /* from the start pose */
+    smr_vec centre;       /* about which it turns, mm from the target's origin */
+    float hold;           /* weight of the place that a patch has, relative to its goal's */
+    float cost, all;      /* sum of squared distances across the surface by weight, mm^2; sum of weights */
+    smr_pose kept_motion; /* those with the least mean cost, ... */
+    smr_vec kept_centre;
+    float least; /* ... and that, mm^2 */
     float matrix[SMR_BODY_UNKNOWNS][SMR_BODY_UNKNOWNS];
     float right[SMR_BODY_UNKNOWNS][3]; /* the first column is used */
 } smr_body;
@@ -49,7 +55,7 @@ typedef struct smr_bent {
     smr_align_slice *slice; /* [SMR_BENT_SLICES] searches of closest points in work */
     uint32_t next;          /* patch of the first of them */
     uint32_t *owner;        /* [SMR_CELLS_MOST] the patch that is nearest on each cell of the target; SMR_NONE: none */
-    float *d2[SMR_SIDES];   /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2 */
+    float *d2[SMR_SIDES];   /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2; or areas */
     smr_pose start;         /* start pose between coordinates relative to the surfaces' origins */
     float radius;           /* of cells, mm of the target */
     uint32_t seed;          /* the patch whose near members join first, as a rigid part */
