@@ -55,7 +55,8 @@ typedef struct smr_bent {
     smr_align_slice *slice; /* [SMR_BENT_SLICES] searches of closest points in work */
     uint32_t next;          /* patch of the first of them */
     uint32_t *owner;        /* [SMR_CELLS_MOST] the patch that is nearest on each cell of the target; SMR_NONE: none */
-    float *d2[SMR_SIDES];   /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2; or areas */
+    float *d2[SMR_SIDES];   /* [SMR_CELLS_MOST] squared distance of each cell from the other surface, mm^2; when bodies
+                               begin, the area that agrees with a patch's motion, half in each, mm^2 */
     smr_pose start;         /* start pose between coordinates relative to the surfaces' origins */
     float radius;           /* of cells, mm of the target */
     uint32_t seed;          /* the patch whose near members join first, as a rigid part */
