@@ -1,7 +1,8 @@
 /* align_bodies.c: rigid bodies of patches. Patches that follow closest points slide along a surface slowly, each part
  * by itself. Bodies are found one by one: the motion of the patch with which most of the area agrees, and the patches
- * that do. Each body then follows the target as a whole, by the distances along normals (Chen and Medioni 1992), held
- * weakly to its neighbours at seams, where the surface bends and distances do not count.
+ * that do. Each body then follows the target as a whole, by distances along the model's normals (Chen and Medioni
+ * 1992: the target's), held weakly to its neighbours at seams, where the surface bends and distances do not count.
+ * Steps are damped (Levenberg 1944, Marquardt 1963): a round body would else turn about its axis by facets.
  * Bounds: SMR_BENT_BODIES passes over pairs of patches; then a search from each patch in each round.
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/thin_plate_solve.h"
@@ -15,9 +16,9 @@
 #define SMR_BODY_LEAST 0.01f  /* smallest share of the area that has a goal, to begin a body */
 #define SMR_BODY_FIT 0.2f     /* distance across the surface at which a goal counts a quarter / radius of a cell */
 #define SMR_BODY_HOLD 1.0e-4f /* weight of the place that a patch has, relative to its goal's, at first */
-#define SMR_BODY_FIRMER 10.0f /* factor on it after a move that is taken back */
-#define SMR_BODY_LOOSER 0.5f  /* factor on it after any other move */
-#define SMR_BODY_SEAM 0.01f   /* the same of its place by all bodies around it, where all of them are others */
+#define SMR_BODY_FIRMER 10.0f /* factor on this weight after a move that is taken back */
+#define SMR_BODY_LOOSER 0.5f  /* factor on this weight after any other move */
+#define SMR_BODY_SEAM 0.01f   /* weight of its place by all bodies around it, times the share that are others */
 
 #define SMR_BODY_PIECE 32u /* patches in a task */
 
@@ -185,7 +186,7 @@ static void move_body(smr_body *b, float radius)
     smr_pose_onto(&b->motion, rest, b->centre);
 }
 
-/* A body that has gone uphill goes back, and is held more firmly: a round one would turn about its axis by facets. */
+/* A body whose cost has risen goes back, and is held more firmly. */
 void smr_bodies_move(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     const smr_bent *w = work_of(job);
