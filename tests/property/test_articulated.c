@@ -52,6 +52,8 @@ static smr_mesh between(const smr_mesh *mesh, const smr_mesh *rest, float low, f
     return (smr_mesh){mesh->xyz, t, mesh->n_vertices, n};
 }
 
+static uint32_t n_steps; /* calls of smr_job_step() by found() */
+
 static uint32_t found(const smr_mesh *model, const smr_mesh *target, const smr_pose *start, uint32_t units,
                       const smr_port *port, float *xyz)
 {
@@ -64,7 +66,7 @@ static uint32_t found(const smr_mesh *model, const smr_mesh *target, const smr_p
     assert_int_equal(SMR_OK, smr_articulated_begin(a, b, start, port, rig_rough(bytes), bytes, xyz, &is_bent, &job));
     smr_status status = SMR_PARTIAL;
     (void)feclearexcept(FE_ALL_EXCEPT);
-    while (status == SMR_PARTIAL)
+    for (n_steps = 0; status == SMR_PARTIAL; n_steps++)
         status = smr_job_step(&job, units, NULL, 0);
     assert_int_equal(0, fetestexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW)); /* neither infinity nor NaN */
     assert_int_equal(SMR_OK, status);
@@ -184,6 +186,23 @@ TEST(test_parts)
             part[i].of_model ? found(&cut, &target, &here, 0, NULL, at) : found(&rest, &cut, &here, 0, NULL, at);
         assert_int_equal(part[i].bends, n > 0u);
     }
+    rig_free_all();
+}
+
+/* Onto a bent limb with bumps the call ends once half of the limb has joined. */
+TEST(test_other_body)
+{
+    const smr_mesh rest = limb(), same = bent(&rest, 12.0f);
+    const size_t bytes = 12u * (size_t)rest.n_vertices;
+    float *at = rig_alloc(bytes), *xyz = rig_alloc(bytes);
+    memcpy(xyz, same.xyz, bytes);
+    for (uint32_t v = 0; v < rest.n_vertices; v++)
+        xyz[3u * v + 1u] *= 1.0f + 0.3f * cosf(0.2f * rest.xyz[3u * v + 2u]);
+    const smr_mesh other = {xyz, rest.triangles, rest.n_vertices, rest.n_triangles};
+    assert_true(found(&rest, &same, &here, 1, NULL, at) > 0u);
+    const uint32_t whole = n_steps;
+    assert_int_equal(0, found(&rest, &other, &here, 1, NULL, at));
+    assert_true(n_steps < whole - whole / 4u);
     rig_free_all();
 }
 

@@ -195,13 +195,25 @@ static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
 
 static uint32_t join_tasks(const void *job) { return smr_ceil_div(work_of(job)->side[SMR_MODEL].n, SMR_BENT_PIECE); }
 
-/* After a step the neighbours of all patches join; once there are none, parts become rigid. */
+/* Returns 1 when half of the model lies on another body of the same kind: it costs more than decide() accepts of the
+ * result, which costs more than patches that still follow the target one by one. */
+static int is_other_body(const smr_bent *w)
+{
+    const float alike = smr_max(SMR_BENT_SAME * w->least, SMR_BENT_ALIKE);
+    return w->least < SMR_BENT_OTHER && w->found_area > 0.5f * w->area && w->found_cost > alike * w->found_area;
+}
+
+/* After a step the neighbours of all patches join; once there are none, parts become rigid. Another body of the same
+ * kind ends the call here: the rest would take most of the time, and be refused. */
 static void join(void *job, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr_bent_job *const j = job;
     smr_bent *w = j->w;
     const smr_piece piece = smr_piece_of(task, SMR_BENT_PIECE, w->side[SMR_MODEL].n);
-    j->head.next_stage = SMR_BENT_FIND;
+    if (task == 0u)
+        w->area = w->found_area = w->found_cost = 0.0f;
+    smr_patches_compare(w, piece.first, piece.last);
+    j->head.next_stage = piece.last == w->side[SMR_MODEL].n && is_other_body(w) ? SMR_BENT_END : SMR_BENT_FIND;
     for (uint32_t i = piece.first; i < piece.last; i++) {
         smr_patch *const p = &w->patch[i];
         for (uint32_t k = 0; k < p->n_links && p->joined == 0u; k++) {

@@ -167,6 +167,19 @@ void smr_patch_fit(const smr_bent *w, smr_patch *p)
     p->motion = smr_fit_solve(&fit, 0);
 }
 
+void smr_patches_compare(smr_bent *w, uint32_t first, uint32_t last)
+{
+    for (uint32_t i = first; i < last; i++) {
+        const smr_patch *p = &w->patch[i];
+        const float area = w->side[SMR_MODEL].cell[i].area;
+        w->area += area;
+        if (p->joined == 0u || p->joined + 1u >= w->step || !(p->weight > 0.0f))
+            continue;
+        w->found_area += area;
+        w->found_cost += area * smr_min(p->d2, w->limit2) / w->limit2;
+    }
+}
+
 float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal)
 {
     float least = FLT_MAX, up = 0.0f;

@@ -63,6 +63,8 @@ typedef struct smr_bent {
     float agree2;           /* squared distance at which members of a part agree by a half, mm^2; 0: patches join */
     float limit2;           /* squared distance at which a place costs 1, mm^2 */
     float before, least;    /* cost of the start pose; on the side that it explains better */
+    float area, found_area; /* area of a step's patches; of those that joined before and have a goal, mm^2 */
+    float found_cost;       /* sum of the latter's costs by area, mm^2 */
     uint32_t step;          /* 0: the start pose is measured */
     uint32_t round;         /* rounds done in this step */
     float *xyz;             /* the caller's */
@@ -87,6 +89,8 @@ void smr_patch_extend(const smr_bent *w, smr_patch *p);
 /* Fits the motion to goals and present places of members. Members that have not joined keep the patch in place. The
  * seed stays while patches join; then members that move otherwise lose their weight, so that parts become rigid. */
 void smr_patch_fit(const smr_bent *w, smr_patch *p);
+/* Adds some patches to the sums of a step. */
+void smr_patches_compare(smr_bent *w, uint32_t first, uint32_t last);
 /* Returns the squared distance of a point from the tangent plane of the nearest patch that faces as `normal`, mm^2. */
 float smr_patches_distance2(const smr_bent *w, smr_vec at, smr_vec normal);
 
