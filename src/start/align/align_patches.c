@@ -4,15 +4,17 @@
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_patches.h"
 
-#define SMR_BENT_REACH 3.0f     /* search range / radius of a cell */
-#define SMR_BENT_NODES 400u     /* largest number of nodes that a search opens */
-#define SMR_BENT_LIMIT 0.12f    /* distance at which a place costs 1 / spread of the model */
-#define SMR_BENT_COS 0.8f       /* smallest cosine between the normals of a patch and of its closest point */
-#define SMR_BENT_COVER_COS 0.3f /* the same of a cell of the target and of the patch that covers it */
-#define SMR_BENT_BESIDE 1.5f    /* distance beside the middle of a patch up to which it covers / radius of a cell */
-#define SMR_BENT_KEEP 0.05f     /* weight of the present place of a patch relative to that of a near goal */
-#define SMR_BENT_BLEND 3.0f     /* distance beyond which patches hardly count for a place / radius of a cell */
-#define SMR_BENT_PART 6.0f      /* the same for a patch of a part, once all have joined */
+#define SMR_BENT_REACH 3.0f      /* search range / radius of a cell */
+#define SMR_BENT_NODES 400u      /* largest number of nodes that a search opens */
+#define SMR_BENT_LIMIT 0.12f     /* distance at which a place costs 1 / spread of the model */
+#define SMR_BENT_LEARN 0.01f     /* largest motion after which a patch learns how near other triangles are / radius */
+#define SMR_BENT_ROUNDED 2.5e-7f /* rounding of places as a share of the coordinates */
+#define SMR_BENT_COS 0.8f        /* smallest cosine between the normals of a patch and of its closest point */
+#define SMR_BENT_COVER_COS 0.3f  /* the same of a cell of the target and of the patch that covers it */
+#define SMR_BENT_BESIDE 1.5f     /* distance beside the middle of a patch up to which it covers / radius of a cell */
+#define SMR_BENT_KEEP 0.05f      /* weight of the present place of a patch relative to that of a near goal */
+#define SMR_BENT_BLEND 3.0f      /* distance beyond which patches hardly count for a place / radius of a cell */
+#define SMR_BENT_PART 6.0f       /* the same for a patch of a part, once all have joined */
 
 /* Adds i to a list without i that is not full. */
 static void add_once(uint32_t *list, uint32_t *n, uint32_t most, uint32_t i)
@@ -62,7 +64,7 @@ void smr_patch_set(const smr_bent *w, uint32_t i)
     p->normal = smr_unit(smr_pose_turn(&w->start, smr_get3(m->surface->normal, m->cell[i].middle)));
     p->motion = identity;
     p->joined = 1;
-    p->body = SMR_NONE;
+    p->triangle = p->body = SMR_NONE;
     add_once(p->member, &p->n, SMR_BENT_MEMBERS, i);
     add_neighbours(w, p, 0, p->n_links); /* neighbours follow the patch itself */
     p->n_near = p->n;
@@ -112,11 +114,17 @@ int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause)
     if (p->joined == 0u)
         return 1;
     p->at = smr_patch_place(w, p, p->rest);
-    const smr_query q = {p->at, smr_pose_turn(&p->motion, p->normal), SMR_BENT_COS, SMR_BENT_NODES, SMR_NONE};
+    const smr_query q = {p->at, smr_pose_turn(&p->motion, p->normal), SMR_BENT_COS, SMR_BENT_NODES, p->triangle};
     smr_hit hit = {range2, SMR_NONE, {0, 0, 0}};
-    smr_certainty known = {-1.0f, 0.0f, 0, pause};
+    const float moved = smr_length(smr_sub(p->at, p->searched));
+    const float size = smr_abs(p->at.x) + smr_abs(p->at.y) + smr_abs(p->at.z) + moved;
+    const float other = p->other_mm - moved - SMR_BENT_ROUNDED * size;
+    smr_certainty known = {moved < SMR_BENT_LEARN * w->radius ? moved : -1.0f, other, 0, pause};
     if (!smr_surface_search_known(s, NULL, &q, &hit, &known))
         return 0;
+    p->triangle = hit.triangle;
+    p->other_mm = known.other_mm;
+    p->searched = p->at;
     if (hit.triangle == SMR_NONE || (s->open && smr_surface_on_border(s, hit.triangle, hit.weight)))
         return 1;
     p->d2 = hit.d2;

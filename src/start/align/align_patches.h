@@ -20,6 +20,9 @@ typedef struct smr_patch {
     smr_vec goal;                      /* closest point of the target */
     float weight;                      /* weight of the goal, 0..1; 0: none */
     float d2;                          /* squared distance to the closest point, mm^2; FLT_MAX: none */
+    uint32_t triangle;                 /* the target's triangle with the closest point; SMR_NONE: none */
+    float other_mm;                    /* lower bound of the distance to all other triangles ... */
+    smr_vec searched;                  /* ... from the place of the last search */
     uint32_t on;                       /* the target's cell with the closest point; SMR_NONE: none */
     uint32_t joined;                   /* step in which the patch joined; 0: not yet */
     uint32_t body;                     /* the rigid body to which it belongs; SMR_NONE: none */
