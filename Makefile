@@ -109,7 +109,8 @@ BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) $(ANSWERS_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(CASE_SRC) $(BENCH_SRC) \
                $(BAREMETAL_SRC) $(TARGET_SRC) $(FAULTS_SRC) fixtures/fixture_write.c \
-               tests/golden/replay_run.c tests/docs/settings_page.c $(HOST_TOOL_SRC)) $(SHARED_OBJ) $(PAGE_OBJ)
+               tests/golden/replay_run.c tests/docs/settings_page.c $(HOST_TOOL_SRC) $(wildcard port/template/*.c)) \
+               $(SHARED_OBJ) $(PAGE_OBJ)
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
