@@ -961,17 +961,15 @@ enum { SMR_FUSING_LINEAR = 0, SMR_FUSING_LIE = 1 };
 
 /* config.forces: external forces onto surfaces and into images. */
 typedef struct smr_forces_config {
-    /* share, (0, 1], default 0.8. Share of a vertex' displacement to its goal in the force: the paper's alpha_e (2.1),
-     * force = stiffness * (goal - x). The cluster radius, not the stiffness, decides how stiff the model is. */
+    /* share, (0, 1], default 0.8. force = stiffness * (goal - x): the paper's alpha_e. Stiff or soft: cluster radii. */
     float stiffness;
-    /* cluster radii, (0, 1000000], default 1.5. Closest-point search distance, at most halved from radius to radius. */
-    float search_radii;
-    float normal_deg; /* degrees, (0, 180], default 75. Largest angle between normals of vertex and closest point */
-    /* standard deviations, [0, 1000000], default 0: off. Forces longer than the mean plus this many standard
-     * deviations, both of the last iteration, are rejected. */
+    float search_radii; /* cluster radii, (0, 1000000], default 1.5. Search distance, at most halved with each radius */
+    float normal_deg;   /* degrees, (0, 180], default 75. Largest angle between normals of vertex and closest point */
+    /* standard deviations, [0, 1000000], default 0: off. Forces above the last iteration's mean + so many: none. */
     float reject_deviations;
     uint32_t reject_border; /* 0 or 1, default 0. 1: closest points on the border of an open target are not goals */
     uint32_t node_budget;   /* tree nodes, [8, 1000000], default 512. Most nodes that one closest-point search opens */
+    float curvature;        /* share, [0, 1], default 0.06. Goals shift to where a mesh bulges as the model does */
     uint32_t use_box;       /* 0 or 1, default 0. 1: vertices outside the box get no force */
     float box_min[3];       /* mm, [-100000, 100000], default 0. Lowest corner of the box, used only with use_box */
     float box_max[3];       /* mm, [-100000, 100000], default 0. Highest corner of the box, nowhere below the lowest */
@@ -1260,7 +1258,9 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)]; */
 
 /* Bounds of smr_surface_bytes(), 3 % too large at 1,000 triangles, 1 % from 4,000 on, and of smr_points_bytes(). */
-#define SMR_SURFACE_BYTES(nv, nt) ((size_t)2048u + (size_t)32u * (nv) + (size_t)65u * (nt) + SMR_TREE_BYTES(nt, 1u))
+#define SMR_SURFACE_BYTES(nv, nt)                                                                                      \
+    ((size_t)2048u + (size_t)32u * (nv) + (size_t)65u * (nt) + SMR_TREE_BYTES(nt, 1u) +                                \
+     (5u * (nv) > 3u * (nt) ? (size_t)20u * (nv) - (size_t)12u * (nt) : (size_t)0u))
 #define SMR_POINTS_BYTES(capacity) ((size_t)1280u + (size_t)28u * (capacity))
 
 /* Bound of smr_arena_bytes(). n_workers, n_target_vertices (0 with attract 0) and method are those of smr_basic_config.
@@ -1299,7 +1299,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 /* Bound of a log of n_ticks ticks, each with the results of a caller's force, and n_sets calls of smr_set_...(), of any
  * alignment. Each landmark that is set counts as one call. */
-#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)656u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
+#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)664u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
 
 /* Parts of the bounds: search trees, and the copy of the triangles on big-endian processors. */
 #define SMR_TREE_BYTES(nt, ns) ((size_t)192u * ((size_t)(nt) / 7u + (size_t)8u * (ns)))

@@ -54,6 +54,11 @@ typedef struct smr_stored_section {
 /* Kind: shapes of several subjects, the model's own first: float [2 .. SMR_REFERENCES_MAX][n_vertices][3], mm: each
  * shape, after its similarity onto the model's own, minus the mean of all shapes. */
 #define SMR_SECTION_REFERENCES 1u
+/* Kind: how far the model's surface bulges out at each stored vertex beside its structure's mean (surface_relief.c),
+ * int16 [n_vertices], in units of 1 / SMR_RELIEF_ONE, or SMR_RELIEF_NONE. */
+#define SMR_SECTION_RELIEF 2u
+#define SMR_RELIEF_ONE 32767.0f
+#define SMR_RELIEF_NONE (-32768)
 #define SMR_SECTIONS_MAX 64u    /* largest number of additional sections of a model */
 #define SMR_SECTION_REQUIRED 1u /* flag of a section: a library that does not know the kind refuses the model */
 
@@ -167,8 +172,14 @@ static inline const smr_stored_radius *smr_model_radius(const smr_model *m, uint
 /* Returns 1 when each cluster of radius number i contains vertices of one structure only. */
 static inline int smr_model_separate(const smr_model *m, uint32_t i) { return smr_model_radius(m, i)->separate != 0u; }
 
+/* Returns the additional section of a kind, or NULL. */
+const smr_stored_section *smr_model_section(const smr_model *m, uint32_t kind);
+
 /* Returns the section of several subjects' shapes, or NULL. */
-const smr_stored_section *smr_model_references(const smr_model *m);
+static inline const smr_stored_section *smr_model_references(const smr_model *m)
+{
+    return smr_model_section(m, SMR_SECTION_REFERENCES);
+}
 
 /* Returns the number of shapes in a section of references; 0 without one. */
 static inline uint32_t smr_reference_count(const smr_model *m, const smr_stored_section *s)

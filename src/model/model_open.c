@@ -206,7 +206,8 @@ static int check_sections(const smr_model *m)
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < n; i++) {
         if (s[i].kind == 0u || s[i].flags != 0u || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
-            smr_le32(s[i].at) < end || (smr_le32(s[i].kind) == SMR_SECTION_REFERENCES && !check_references(m, &s[i])))
+            smr_le32(s[i].at) < end || (smr_le32(s[i].kind) == SMR_SECTION_REFERENCES && !check_references(m, &s[i])) ||
+            (smr_le32(s[i].kind) == SMR_SECTION_RELIEF && smr_le32(s[i].bytes) != 2u * smr_le32(m->n_vertices)))
             return 0;
         for (uint32_t k = 0; k < i; k++)
             if (s[k].kind == s[i].kind)

@@ -39,11 +39,11 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
                        .reach = smr_le_float(r->reach)};
 }
 
-const smr_stored_section *smr_model_references(const smr_model *m)
+const smr_stored_section *smr_model_section(const smr_model *m, uint32_t kind)
 {
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < smr_le32(m->n_sections); i++)
-        if (smr_le32(s[i].kind) == SMR_SECTION_REFERENCES)
+        if (smr_le32(s[i].kind) == kind)
             return &s[i];
     return NULL;
 }

@@ -124,6 +124,22 @@ static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
     head->at_dihedrals = write_through(w, &p->dihedral[0].first, NULL, 2u * (size_t)p->n_dihedrals);
 }
 
+/* Writes the additional sections behind a table of them. */
+static void write_sections(const smr_plan *p, smr_writer *w, struct smr_model *head)
+{
+    const uint32_t shapes = p->config->also != NULL && p->config->also->n > 0u, relief = p->nt > 0u;
+    uint32_t entry[2][4];
+    head->n_sections = shapes + relief;
+    if (head->n_sections == 0u)
+        return;
+    head->at_sections = (uint32_t)smr_put_section(w, head->n_sections * sizeof(smr_stored_section));
+    if (shapes)
+        smr_write_references(p, w, entry[0]);
+    if (relief)
+        smr_write_relief(p, w, entry[shapes]);
+    smr_put_words(w, head->at_sections, entry[0], 4u * (size_t)head->n_sections);
+}
+
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below)
 {
     struct smr_model head = {.magic = SMR_MODEL_MAGIC,
@@ -149,7 +165,7 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
         smr_plan_members(p, i);
         SMR_TRY(write_lists(p, w, head.at_radii + i * sizeof(smr_stored_radius), radius[i], i, n_radii));
     }
-    smr_write_references(p, w, &head);
+    write_sections(p, w, &head);
     smr_put_section(w, 0);
     w->used = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
     if (w->used > UINT32_MAX)

@@ -90,6 +90,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     size_t most = n > 6u * nt ? n : 6u * nt; /* items of the largest sort */
     most = most > pairs ? most : pairs;
     const int geodesic = p->config->distance == SMR_DISTANCE_GEODESIC;
+    p->relief = smr_arena_take(a, n, sizeof(int16_t)); /* first: smr_prepare() has written it */
     p->xyz = smr_arena_take(a, n, 3u * sizeof(float));
     p->mass = smr_arena_take(a, n, sizeof(float));
     p->owner = smr_arena_take(a, n, sizeof(uint16_t));
@@ -216,6 +217,12 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     SMR_TRY(check_inputs(structures, n_structures, config, scratch, scratch_bytes, model, &a));
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
+    if (model != NULL) { /* first, while all memory behind relief[], the layout's first array, is free */
+        smr_arena rest = a;
+        p.relief = smr_arena_take(&rest, p.n, sizeof(int16_t));
+        smr_plan_relief(&p, rest.base + rest.used, rest.capacity - rest.used);
+        smr_arena_release(scratch, scratch_bytes);
+    }
     smr_plan_layout(&a, &p);
     smr_plan_clear_rows(&p);
     smr_plan_order(&p);

@@ -49,6 +49,8 @@ typedef struct smr_plan {
     float centre[3];         /* mm, whole numbers: origin of rest positions */
     float edge_mm, edge_max; /* mean and largest length of mesh edges, mm */
 
+    int16_t *relief; /* [n] relief of the caller's vertices, as in the model; written by smr_plan_relief() */
+
     /* written by smr_plan_order(), smr_plan_neighbours() and smr_plan_mass(): the model along the curve */
     float *xyz;                /* [n][3] rest positions, mm from centre */
     float *mass;               /* [n] masses m_i of the vertices, about 1 on average */
@@ -109,6 +111,8 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
 /* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
+/* Measures relief[] in `bytes` of scratch memory at `scratch`: relief_prepare.c. */
+void smr_plan_relief(smr_plan *p, void *scratch, size_t bytes);
 void smr_plan_order(smr_plan *p);          /* numbers vertices and triangles: curve_numbering.c */
 void smr_plan_neighbours(smr_plan *p);     /* lists mesh neighbours: mesh_measures.c */
 void smr_plan_mass(smr_plan *p);           /* computes the vertices' masses: mesh_measures.c */
@@ -242,8 +246,9 @@ void smr_put32(smr_writer *w, size_t at, uint32_t value);
 void smr_put_words(smr_writer *w, size_t at, const uint32_t *word, size_t n); /* writes n numbers of 4 bytes */
 /* Appends a section of `bytes` zeros at the next multiple of SMR_ALIGN. Returns the section's offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
-/* Appends the shapes of further subjects as a section of the model. Without any, writes nothing. */
-void smr_write_references(const smr_plan *p, smr_writer *w, struct smr_model *head);
+/* Append an additional section of the model, and write its entry: shapes of further subjects; relief[]. */
+void smr_write_references(const smr_plan *p, smr_writer *w, uint32_t entry[4]);
+void smr_write_relief(const smr_plan *p, smr_writer *w, uint32_t entry[4]);
 /* Writes the whole model except the checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
 

@@ -28,18 +28,17 @@ static smr_vec mapped(const smr_plan *p, uint32_t i, const smr_pose *pose, uint3
     return i == 0u ? smr_get3(p->xyz, along) : smr_pose_apply(&pose[i - 1u], position(p, i - 1u, p->original[along]));
 }
 
-void smr_write_references(const smr_plan *p, smr_writer *w, struct smr_model *head)
+void smr_write_references(const smr_plan *p, smr_writer *w, uint32_t entry[4])
 {
     smr_pose pose[SMR_REFERENCES_MAX];
-    const uint32_t n = p->config->also == NULL ? 0u : p->config->also->n + 1u;
-    if (n < 2u)
-        return;
+    const uint32_t n = p->config->also->n + 1u;
     for (uint32_t i = 1; i < n; i++)
         pose[i - 1u] = onto_own(p, i - 1u);
-    const size_t table = smr_put_section(w, sizeof(smr_stored_section));
     const size_t bytes = 3u * sizeof(float) * n * p->n, at = smr_put_section(w, bytes);
-    const uint32_t record[4] = {SMR_SECTION_REFERENCES, 0, (uint32_t)at, (uint32_t)bytes};
-    smr_put_words(w, table, record, 4);
+    entry[0] = SMR_SECTION_REFERENCES;
+    entry[1] = 0;
+    entry[2] = (uint32_t)at;
+    entry[3] = (uint32_t)bytes;
     for (uint32_t v = 0; v < p->n; v++) {
         smr_vec mean = smr_v(0, 0, 0);
         for (uint32_t i = 0; i < n; i++)
@@ -50,6 +49,4 @@ void smr_write_references(const smr_plan *p, smr_writer *w, struct smr_model *he
             smr_put_words(w, at + 3u * sizeof(float) * ((size_t)i * p->n + v), bits, 3);
         }
     }
-    head->n_sections = 1;
-    head->at_sections = (uint32_t)table;
 }

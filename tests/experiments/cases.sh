@@ -154,7 +154,7 @@ group_shown() {
     need hip_thigh_vhm thigh_patient thigh_person ct_hips_surfaces volumes/ct_hips.mha || return
     femur=data/hip_thigh_vhm/femur.ply hip=data/ct_hips_surfaces/hip_bone_right.ply
     mri=data/thigh_patient/mri_reference.mha ct=data/volumes/ct_hips.mha
-    fixed='--settle-share 0 --iterations 9 --iterations-last 60' # landmarks come from these results: they stay as drawn
+    fixed='--settle-share 0 --curvature 0 --iterations 9 --iterations-last 60' # landmarks come from these results: they stay as drawn
     smr register --model $femur --target data/thigh_person/truth/femur.ply $(marks person) --smoothing 0 $fixed -o person
     smr register --model $hip --target data/ct_hips_surfaces/hip_bone_left.ply --mirror-target x --align rigid $fixed -o hip
     shown() { # row, seed of landmarks that are off or 0, most in the visible part, words

@@ -204,6 +204,10 @@ static void others(stated t, uint32_t n)
             for (t.bytes = 0; t.bytes <= 108u; t.bytes += 36u)
                 any(&t);
     t = usual;
+    t.kind = SMR_SECTION_RELIEF;
+    for (t.bytes = 2u * PROVE_VERTICES - 1u; t.bytes <= 2u * PROVE_VERTICES + 1u && n == 26u; t.bytes++)
+        any(&t);
+    t = usual;
     t.bytes = PROVE_ANY(109u, UINT32_MAX);
     if (n == 27u)
         any(&t);

@@ -129,6 +129,7 @@ TEST(test_settings_by_number)
     smr_config standard = smr_config_default();
     standard.motion.settle_share = standard.motion.strain_most = 0.0f;
     standard.image.rest = 0;
+    standard.forces.curvature = 0.0f;
     const uint32_t word[] = {1u << 16 | 44u, 7, 3u << 16 | 16u, bits(1), bits(2), bits(3), 1u << 16 | 3u, bits(0.25f)};
     const uint32_t unknown[] = {1u << 16 | 65535u, 7}, longer[] = {2u << 16 | 44u, 7, 7},
                    twice[] = {word[0], 7, word[0], 7};

@@ -25,6 +25,7 @@ static smr *start(const smr_port *port, const smr_surface *goal[2], const smr_su
     larger = rig_ball(22, 12, 18, away);
     *far = rig_surface(&larger);
     config.motion.plastic_um = 1000.0f; /* at rest by then */
+    config.forces.curvature = 0.0f;
     return rig_init(rig_model(ball, 2, &radii), &config, port);
 }
 

@@ -76,8 +76,8 @@ TEST(null_and_misaligned)
 TEST(cut_at_every_length)
 {
     small_world w = make(0);
-    const smr_stored_radius *last = (const smr_stored_radius *)smr_at(w.image.model, w.image.model->at_radii) + 1;
-    const size_t end = smr_le32(last->at_boundary) + sizeof(smr_stored_boundary) * (size_t)smr_le32(last->n_boundary);
+    const smr_stored_section *last = smr_model_section(w.image.model, SMR_SECTION_RELIEF);
+    const size_t end = (size_t)smr_le32(last->at) + smr_le32(last->bytes);
     for (size_t size = 0; size < w.image.size; size++) {
         unsigned char *cut = rig_rough(size);
         const smr_model *model = NULL;
@@ -85,7 +85,8 @@ TEST(cut_at_every_length)
         assert_int_equal(smr_model_open(cut, size, &model), SMR_E_MODEL);
         if (size % 4u == 0u || size < 200u) { /* now with the shorter length in the head, and a checksum to it */
             unit_repair(cut, size);
-            assert_int_equal(try_image(&w, cut, size, "cut", size), size >= end); /* behind the last list is nothing */
+            assert_int_equal(try_image(&w, cut, size, "cut", size),
+                             size >= end); /* behind the last section is nothing */
         }
         rig_free(cut);
     }

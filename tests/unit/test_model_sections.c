@@ -67,12 +67,32 @@ static smr_status open_with(const world *w, uint32_t *word, uint32_t value)
     return status;
 }
 
-TEST(todays_models_have_none)
+TEST(todays_models_have_one)
 {
     world w = make();
+    const smr_model *const m = w.plain.bytes;
+    const smr_stored_section *const s = smr_at(m, m->at_sections);
     assert_int_equal(sizeof(smr_model), 256);
-    for (size_t i = 224; i < 256u; i++)
+    assert_int_equal(smr_le32(m->n_sections), 1);
+    assert_int_equal(smr_le32(s->kind), SMR_SECTION_RELIEF);
+    for (size_t i = 232; i < 256u; i++)
         assert_int_equal(((const unsigned char *)w.plain.bytes)[i], 0);
+}
+
+/* A relief has two bytes for each vertex, of any value. */
+TEST(a_relief_of_another_size_is_refused)
+{
+    world w = make();
+    const uint32_t n = 2u * w.ball.nv;
+    const smr_model *model;
+    w.table[1].kind = smr_le32(SMR_SECTION_RELIEF);
+    assert_int_equal(open_with(&w, &w.table[1].bytes, n), SMR_OK);
+    w.table[1].bytes = smr_le32(n);
+    assert_int_equal(open_now(&w, &model), SMR_OK);
+    assert_null(unit_exercise(model, w.target, 18, UNIT_ALL));
+    const uint32_t size[] = {0, n - 1u, n + 1u, 4u * n};
+    for (uint32_t i = 0; i < 4u; i++)
+        assert_int_equal(open_with(&w, &w.table[1].bytes, size[i]), SMR_E_MODEL);
 }
 
 TEST(unknown_optional_ones_are_skipped)

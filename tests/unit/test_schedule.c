@@ -38,6 +38,7 @@ static smr_config steady(void)
     smr_config c = smr_config_default();
     c.motion.settle_um = c.motion.plastic_um = 0.0f;
     c.motion.plastic_every = 0;
+    c.forces.curvature = 0.0f;
     return c;
 }
 

@@ -77,15 +77,15 @@ TEST(points_and_lines_hide_no_noise)
     unit_mesh_free(&ball);
 }
 
-/* Where there is no memory for an offset of each vertex, nothing is measured. */
+/* There is memory for an offset and a bulge of each vertex, however few triangles there are. */
 TEST(few_triangles)
 {
     unit_mesh ball = unit_sphere(4, 40, 0);
     shake(&ball, 1, 1, 5);
-    ball.nt = ball.nv / 3u + 1u;
-    assert_true(noise_of(&ball) > 0.05f);
     ball.nt = ball.nv / 3u;
-    assert_true(noise_of(&ball) == 0.0f);
+    assert_true(noise_of(&ball) > 0.05f);
+    for (ball.nt = 1; ball.nt < 20u; ball.nt++)
+        assert_true(noise_of(&ball) >= 0.0f);
     unit_mesh_free(&ball);
 }
 

@@ -13,6 +13,12 @@ typedef struct smr_surface_noise {
     float square, product; /* sums of squared offsets, and of offset times mean offset of the neighbours, mm^2 */
 } smr_surface_noise;
 
+/* Smoothing of a mesh's bulges (surface_relief.c). */
+typedef struct smr_surface_smoothing {
+    uint32_t pass;    /* number of complete passes over all vertices */
+    float mean, size; /* 1/mm: mean bulge, and mean distance of bulges from the mean, by area; sums before */
+} smr_surface_smoothing;
+
 /* Progress of building or refitting a surface. */
 typedef struct smr_surface_work {
     smr_mesh mesh;      /* the caller's mesh; in a refit only its positions are read */
@@ -25,8 +31,11 @@ typedef struct smr_surface_work {
     smr_box box;                     /* box around the vertices checked so far, mm */
     float area;                      /* sum of area[] of the vertices visited so far, mm^2 */
     smr_surface_noise noise;         /* sums from which noise_mm follows */
+    smr_surface_smoothing smoothing; /* of bulges, from which relief[] follows */
     smr_order order;                 /* sort of the triangles into tree order */
-    float *middle; /* [n_triangles][3] centres of triangles, times 3, mm; later offsets of vertices from neighbours */
+    /* [n_triangles][3] centres of triangles, times 3, mm; later offsets of vertices from neighbours, mm, bulges, 1/mm,
+     * and the bulges' gradients, 1/mm^2; at last relief[] in the first part and slope[] in the third */
+    float *middle;
     uint32_t *key, *tmp; /* key [n_triangles], tmp [2 n_triangles]: scratch of sorts and union-find */
     uint32_t *start;     /* [n_vertices + 1] a triangle of each vertex, or SMR_NONE; earlier stages: scratch */
     uint32_t *around;    /* [at least 3 n_triangles] numbers of the triangles at each vertex, vertex after vertex */
@@ -52,6 +61,8 @@ struct smr_surface {
     uint32_t *triangle;    /* [n_triangles][3] vertex indexes, in tree order */
     uint32_t *original;    /* [n_triangles] the caller's index of each triangle */
     unsigned char *border; /* [n_triangles] bit k: edge from corner k to k + 1 is on a border; bit 3 + k: corner k is */
+    const float *slope;    /* [n_vertices][3] gradient of relief along the surface, 1/mm; NULL: none */
+    const float *relief;   /* [n_vertices] -1..1: how far the mesh bulges out beside its mean, when built; NULL: none */
     smr_box_tree tree;     /* box tree over the triangles */
     smr_surface_work work;
 };
@@ -117,6 +128,31 @@ typedef void smr_surface_stage(smr_surface *s, uint32_t first, uint32_t last);
 smr_surface_stage smr_fragments_forget, smr_fragments_join, smr_fragments_sum, smr_bodies_number, smr_fragments_mark;
 smr_surface_stage smr_fragments_release;
 smr_surface_stage smr_offsets_find, smr_offsets_compare; /* surface_noise.c: these set noise_mm */
+smr_surface_stage smr_bulges_slope, smr_bulges_smooth, smr_bulges_mean, smr_bulges_size,
+    smr_relief_set; /* surface_relief.c */
+
+/* Returns a vertex' bulge, 1/mm. offset: of its ring's mean along the normal, mm; square: mean squared distance */
+float smr_bulge(float offset, float square);
+
+#define SMR_RING_MOST 16u /* triangles of the largest ring; a vertex with more, the middle of a fan, has some of them */
+
+/* Returns 1 for the middle of a fan. */
+static inline int smr_surface_fan(const smr_surface *s, uint32_t v)
+{
+    return s->work.start[v + 1u] - s->work.start[v] > SMR_RING_MOST;
+}
+
+/* Returns the number of triangles in the ring of a vertex. */
+static inline uint32_t smr_surface_ring(const smr_surface *s, uint32_t v)
+{
+    return smr_min_u32(s->work.start[v + 1u] - s->work.start[v], SMR_RING_MOST);
+}
+
+/* Returns the three corners of triangle i of the ring of v. */
+static inline const uint32_t *smr_ring_triangle(const smr_surface *s, uint32_t v, uint32_t i)
+{
+    return s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
+}
 
 /* Returns 1 when the triangle's point with these barycentric weights lies on a border, an edge of one triangle only. */
 uint32_t smr_surface_on_border(const smr_surface *s, uint32_t triangle, const float weight[3]);

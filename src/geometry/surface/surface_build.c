@@ -16,6 +16,7 @@
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
 {
     smr_surface *self = smr_arena_take(a, 1, sizeof *self);
+    const size_t corners = 3u * (size_t)nt;
     s->xyz = smr_arena_take(a, nv, 3u * sizeof(float));
     s->normal = smr_arena_take(a, nv, 3u * sizeof(float));
     s->area = smr_arena_take(a, nv, sizeof(float));
@@ -24,7 +25,7 @@ static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *
     s->border = smr_arena_take(a, nt, 1);
     s->tree.normal = smr_arena_take(a, nt, 3u * sizeof(float));
     s->tree.node = smr_arena_take(a, smr_tree_nodes(nt), sizeof(smr_node));
-    s->work.middle = smr_arena_take(a, nt, 3u * sizeof(float));
+    s->work.middle = smr_arena_take(a, corners > 5u * (size_t)nv ? corners : 5u * (size_t)nv, sizeof(float));
     s->work.key = smr_arena_take(a, nt, sizeof(uint32_t));
     s->work.tmp = smr_arena_take(a, nt, 2u * sizeof(uint32_t));
     s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
@@ -244,6 +245,8 @@ static const struct {
     {list_triangles, OF_TRIANGLES, 0, 1},
     {smr_offsets_find, OF_VERTICES, 0, SMR_SURFACE_RING},
     {smr_offsets_compare, OF_VERTICES, 0, SMR_SURFACE_RING},
+    {smr_bulges_smooth, OF_VERTICES, 0, SMR_SURFACE_RING}, /* comes back for each pass */
+    {smr_bulges_slope, OF_VERTICES, 0, SMR_SURFACE_RING},
     {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
     {clear_counts, OF_VERTICES, 0, 1},
     {mark_borders, OF_TRIANGLES, 0, 1},
@@ -254,6 +257,9 @@ static const struct {
     {smr_bodies_number, OF_TRIANGLES, 0, 1},
     {smr_fragments_mark, OF_TRIANGLES, 0, 1},
     {smr_fragments_release, OF_VERTICES, 1, 1},
+    {smr_bulges_mean, OF_VERTICES, 0, 1},
+    {smr_bulges_size, OF_VERTICES, 0, 1},
+    {smr_relief_set, OF_VERTICES, 0, 1},
     {fit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
     {fit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
     {copy_cloud, OF_TRIANGLES, 2, 1},

@@ -6,42 +6,35 @@
  * vertices a period or fewer. Bones and muscles from CT and MRI have 0.3 to 0.94, decimated ones, too. Offsets
  * beyond SMR_NOISE_LIMIT count as 0, so that a few spikes are no noise. The whole mesh, with bodies that are not the
  * model's, has one noise; a refit keeps it.
- * Bounds: SMR_NOISE_AROUND triangles around each vertex, twice.
+ * Bounds: SMR_RING_MOST triangles around each vertex, twice; vertices with more do not count.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_NOISE_AROUND 16u /* vertices with more triangles do not count */
 #define SMR_NOISE_LIMIT 5.0f /* largest offset / (mean square root of offsets)^2; beyond are spikes */
 #define SMR_SHAPE 0.2f       /* smallest correlation of neighbours' offsets that noise alone does not lower */
 #define SMR_NOISE_SIZE (SMR_SHAPE * 7.0f / 6.0f + 5.0f / 18.0f) /* SMR_SHAPE * variance - covariance of unit noise */
 
-/* Returns the number of triangles around a vertex, or 0 where they are too many. */
-static uint32_t around(const smr_surface *s, uint32_t v)
-{
-    const uint32_t n = s->work.start[v + 1u] - s->work.start[v];
-    return n <= SMR_NOISE_AROUND ? n : 0u;
-}
-
-/* Returns 1 when there is memory for an offset of each vertex. */
-static int has_offsets(const smr_surface *s) { return s->n_vertices / 3u < s->tree.n_triangles; }
-
 void smr_offsets_find(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t v = first; v < last && has_offsets(s); v++) {
+    for (uint32_t v = first; v < last; v++) {
         const smr_vec p = smr_get3(s->xyz, v);
-        const uint32_t n = around(s, v);
+        const uint32_t n = smr_surface_ring(s, v);
         smr_vec sum = smr_v(0, 0, 0);
-        float others = 0.0f; /* corners that are another vertex */
+        float others = 0.0f, square = 0.0f; /* corners that are another vertex; mm^2: squared distances to them */
         for (uint32_t i = 0; i < n; i++) {
-            const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
+            const uint32_t *t = smr_ring_triangle(s, v, i);
             for (uint32_t c = 0; c < 3u; c++) {
-                sum = smr_add(sum, smr_sub(smr_get3(s->xyz, t[c]), p)); /* of v itself: 0 */
+                const smr_vec to = smr_sub(smr_get3(s->xyz, t[c]), p); /* to v itself: 0 */
+                sum = smr_add(sum, to);
+                square += smr_dot(to, to);
                 others += t[c] != v ? 1.0f : 0.0f;
             }
         }
-        s->work.middle[v] = others > 0.0f ? smr_dot(smr_get3(s->normal, v), sum) / others : 0.0f;
+        const float offset = others > 0.0f ? smr_dot(smr_get3(s->normal, v), sum) / others : 0.0f;
+        s->work.middle[s->n_vertices + v] = smr_bulge(offset, square / smr_max(others, 1.0f));
+        s->work.middle[v] = smr_surface_fan(s, v) ? 0.0f : offset;
         s->work.noise.size += SMR_SQRT(smr_abs(s->work.middle[v]));
-        s->work.noise.n += others > 0.0f ? 1.0f : 0.0f;
+        s->work.noise.n += others > 0.0f && !smr_surface_fan(s, v) ? 1.0f : 0.0f;
     }
 }
 
@@ -55,12 +48,12 @@ void smr_offsets_compare(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_surface_noise *const noise = &s->work.noise;
     const float mean = noise->size / smr_max(noise->n, 1.0f), most = SMR_NOISE_LIMIT * mean * mean;
-    for (uint32_t v = first; v < last && has_offsets(s); v++) {
-        const uint32_t n = around(s, v);
+    for (uint32_t v = first; v < last; v++) {
+        const uint32_t n = smr_surface_fan(s, v) ? 0u : smr_surface_ring(s, v);
         const float own = offset_of(s, v, most);
         float sum = 0.0f, others = 0.0f;
         for (uint32_t i = 0; i < n; i++) {
-            const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[s->work.start[v] + i];
+            const uint32_t *t = smr_ring_triangle(s, v, i);
             for (uint32_t c = 0; c < 3u; c++) {
                 sum += t[c] != v ? offset_of(s, t[c], most) : 0.0f;
                 others += t[c] != v ? 1.0f : 0.0f;

@@ -1,6 +1,7 @@
 /* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the table
- * of settings; a missing setting has its default, but settle_share and strain_most 0 where settle_share is missing.
- * reference_prior, budget_exact and strain_most are written last and only where they differ from the default. Before
+ * of settings; a missing setting has its default, but settle_share and strain_most 0 where settle_share is missing, and
+ * image.rest and forces.curvature 0.
+ * reference_prior, budget_exact and strain_most are written only where they differ from the default. Before
  * version 3 every target was whole. Version 1 has the struct of library 0.1 as it lay in memory: its words are the
  * numbers up to 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
@@ -30,7 +31,7 @@ static const log_row rows[] = {
 static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21, 23,
                                   24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31, 32, 33,
                                   35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56, 57, 58, 59,
-                                  75, 69, 70, 71, 72, 73, 76, 66, 67, 68, 51, 52, 53, 77, 54, 78, 74};
+                                  75, 69, 70, 71, 72, 73, 76, 66, 67, 68, 51, 52, 53, 77, 54, 78, 74, 79};
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
@@ -92,6 +93,7 @@ smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint3
     *config = smr_config_default();
     config->motion.settle_share = config->motion.strain_most = 0.0f; /* older logs have none of the three */
     config->image.rest = 0;
+    config->forces.curvature = 0.0f;
     if (version < SMR_LOG_COVERAGE)
         config->partial.coverage = SMR_COVERAGE_WHOLE;
     if (version == 2u || version == SMR_LOG_VERSION)

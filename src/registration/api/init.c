@@ -171,6 +171,8 @@ static void place(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worke
     s.shared.min_cos = smr_cos_degrees(j->config.forces.normal_deg);
     s.shared.mass_unit = 1.0f;
     s.shared.triangle = SMR_BIG_ENDIAN ? s.shape.own_triangle : smr_at(j->model, j->model->at_triangles);
+    const smr_stored_section *const relief = smr_model_section(j->model, SMR_SECTION_RELIEF);
+    s.shared.relief = relief == NULL ? NULL : smr_at(j->model, relief->at);
     smr_budget_start(&s);
     *self = s;
     wire(self);

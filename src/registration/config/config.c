@@ -32,6 +32,7 @@ smr_config smr_config_paper(void)
     c->basic.search_mm = SMR_COORD_MAX;
     c->forces.search_radii = 1.0e6f;
     c->forces.normal_deg = 180.0f;
+    c->forces.curvature = 0.0f;
     c->partial.coverage = SMR_COVERAGE_WHOLE;
     c->basic.attraction = c->basic.even = 0.0f;
     c->basic.slide = 1.0f;

@@ -33,6 +33,7 @@ typedef struct smr_shared {
     uint32_t n_references;     /* number of subjects' shapes that are blended; 0: the model has its own shape alone */
     uint32_t n_tasks;          /* number of chunks of SMR_CHUNK vertices */
     const uint32_t *triangle;  /* [n_triangles][3] stored vertices; on little-endian hosts in the model itself */
+    const uint16_t *relief;    /* [n] the model's relief, as model.h says; NULL: none */
     float mass_max;            /* largest mass of a vertex in the model */
     float mass_unit;           /* masses are whole multiples of 1 / mass_unit */
     float mass_sum;            /* sum of all masses, in dynamics; 0: unknown */

@@ -2,14 +2,18 @@
  * averaged with the pulls of target vertices (target_to_model_pulls.c). Displacements along the surface are reduced.
  * Each iteration searches. Searches in one of four iterations, before the last radius, would spare 18 % of a tick with
  * the same error; but goals would jump, and inputs moved together would end more than a micrometre apart.
+ * Before the last radius goals shift along the target to where the target bulges as the model does, by a share of a
+ * damped Gauss-Newton step: closest points alone let ridges slide off ridges.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/closest_point_goals.h"
 
-#define SMR_FARTHER 1.0001f /* factor on a displacement, for its rounding */
-#define SMR_ROUNDED 2.5e-7f /* rounding of two positions relative to the target, as a share of the coordinates */
-#define SMR_PATH_MOST 8.0f  /* mm: length of `path` at which certainties are discarded, so that its rounding is small */
+#define SMR_FARTHER 1.0001f   /* factor on a displacement, for its rounding */
+#define SMR_ROUNDED 2.5e-7f   /* rounding of two positions relative to the target, as a share of the coordinates */
+#define SMR_ALIKE_FLAT 122.0f /* (gradient of relief)^2 * area below which shifts get shorter: 1 in 9 % of its root */
+#define SMR_ALIKE_REACH 0.05f /* longest shift to an alike place, in search distances */
+#define SMR_PATH_MOST 8.0f /* mm: length of `path` at which certainties are discarded, so that its rounding is small */
 #define SMR_PATH_LEAST 2.0e-6f /* mm: added to each displacement: more than the rounding of sums up to SMR_PATH_MOST */
 
 /* Saves the state of targets. The caller sets the surfaces again, from which the list of distinct targets follows. */
@@ -186,7 +190,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     smr_certainty known = known_of(g, v, p, pause);
     g->warm_next[v] = g->warm[v];
     g->other[v] = 0;
-    find->hit.triangle = SMR_NONE;
+    find->hit = (smr_hit){0.0f, SMR_NONE, {0, 0, 0}};
     find->displacement = smr_v(0, 0, 0);
     if (smr_reject_outside(c, smr_add(p, target->origin)))
         return 0;
@@ -214,6 +218,46 @@ static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, flo
     return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
 }
 
+/* Returns the stored relief of the model at v. */
+static int relief_of(const smr_surface_goals *g, uint32_t v) { return (int16_t)smr_le16(g->shared->relief[v]); }
+
+/* Returns the shift of v's goal, mm, in the plane of the closest triangle, to where the target bulges as the model. */
+static smr_vec to_alike(const smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit)
+{
+    const float *const f = target->relief, *const w = hit->weight, weight = g->shared->config.forces.curvature;
+    const uint32_t *const t = smr_triangle_of(target->triangle, hit->triangle, target->n_vertices);
+    const float area = target->area_mean * (float)target->n_used;
+    smr_vec rise = smr_v(0, 0, 0), n = rise; /* gradient of relief, 1/mm; normal */
+    for (uint32_t k = 0; k < 3u; k++) {
+        rise = smr_add(rise, smr_scale(smr_get3(target->slope, t[k]), w[k]));
+        n = smr_add(n, smr_scale(smr_get3(target->normal, t[k]), w[k]));
+    }
+    if (!(smr_dot(n, smr_get3(g->shape->normal, v)) > 0.0f))
+        return smr_v(0, 0, 0); /* a surface inside out bulges the other way */
+    const float less =
+        (float)relief_of(g, v) * (1.0f / SMR_RELIEF_ONE) - (w[0] * f[t[0]] + w[1] * f[t[1]] + w[2] * f[t[2]]);
+    const smr_vec shift = smr_scale(rise, less / (smr_dot(rise, rise) + SMR_ALIKE_FLAT / smr_max(area, SMR_SUM_TINY)));
+    const float most = SMR_ALIKE_REACH * g->schedule->search_mm, length = smr_length(shift);
+    return smr_scale(shift, length > most ? weight * most / smr_max(length, SMR_SUM_TINY) : weight);
+}
+
+/* Returns 1 when relief may lead goals. In contact others decide what moves along a surface; within a box or the noise
+ * that the caller states goals stay as they are. */
+static int relief_leads(const smr_config *c)
+{
+    return c->forces.curvature > 0.0f && !(c->contact.share > 0.0f) && !c->forces.use_box &&
+           !(c->partial.noise_mm > 0.0f);
+}
+
+/* Returns 1 when goals of v shift to where the target is alike: before the last radius, where both have a relief. On a
+ * partial target vertices that it does not show would follow. */
+static int leads_to_alike(const smr_surface_goals *g, uint32_t v, const smr_surface *target)
+{
+    return relief_leads(&g->shared->config) && target->relief != NULL && g->shared->relief != NULL &&
+           relief_of(g, v) != SMR_RELIEF_NONE && !g->target[smr_model_owner(g->shared->model, v)].partial &&
+           !smr_at_last_radius(g->shared, g->schedule) && !g->schedule->tracking;
+}
+
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_pause *pause,
                      smr_vec *displacement, smr_surface_find *find)
 {
@@ -226,6 +270,8 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
         weight = 0.0f; /* no pulls act outside the box */
     const smr_vec goal = has_goal ? smr_beyond_noise(g, find->displacement) : smr_v(0, 0, 0);
     *displacement = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
+    if (has_goal && leads_to_alike(g, v, target))
+        *displacement = smr_add(*displacement, to_alike(g, v, target, &find->hit));
     return has_goal || weight > 0.0f;
 }
 
