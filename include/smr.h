@@ -372,8 +372,7 @@ uint32_t smr_self_test(void);
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 smr_status smr_get_expected_parts(smr *s, uint32_t structure, float *across_mm, float *along_mm);
 
-/* Begin smr_get_verdict(), smr_get_expected_error() with its parts (unwanted arrays may be NULL), and
- * smr_get_local_volume() in pieces. */
+/* Begin smr_get_verdict(), smr_get_expected_error() with parts (unwanted: NULL), smr_get_local_volume() in pieces. */
 smr_status smr_verdict_begin(smr *s, uint32_t structure, smr_verdict *verdict, smr_job *job);
 smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm, smr_job *job);
 smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job);
@@ -869,8 +868,7 @@ enum { SMR_DYNAMICS_OFF = 0, SMR_DYNAMICS_ON = 1 };
  * strength is `stiffness` times that of shape matching. All vertices take part, folds are not repaired, and done stays
  * 0. Where clusters deform much, as small clusters around few pinned vertices do, set `method` to polar. */
 typedef struct smr_dynamics_config {
-    /* SMR_DYNAMICS_..., default off. Dynamics excludes track, volume, smooth and contact. Memory:
-     * SMR_ARENA_DYNAMICS_BYTES. */
+    /* SMR_DYNAMICS_..., default off. Excludes track, volume, smooth and contact. Memory: SMR_ARENA_DYNAMICS_BYTES. */
     uint32_t mode;
     float step_ms;    /* ms, [0.01, 1000], default 10. Length of a time step. Every length is stable; long steps damp */
     float damping;    /* 1/s, [0, 1000000], default 1. Force against the velocity, for each unit of mass and velocity */
@@ -969,10 +967,12 @@ typedef struct smr_forces_config {
     float reject_deviations;
     uint32_t reject_border; /* 0 or 1, default 0. 1: closest points on the border of an open target are not goals */
     uint32_t node_budget;   /* tree nodes, [8, 1000000], default 512. Most nodes that one closest-point search opens */
-    float curvature;        /* share, [0, 1], default 0.06. Goals shift to where a mesh bulges as the model does */
-    uint32_t use_box;       /* 0 or 1, default 0. 1: vertices outside the box get no force */
-    float box_min[3];       /* mm, [-100000, 100000], default 0. Lowest corner of the box, used only with use_box */
-    float box_max[3];       /* mm, [-100000, 100000], default 0. Highest corner of the box, nowhere below the lowest */
+    /* share, [0, 1], default 0.06. Goals shift to where a mesh bulges as the model does. Acts on one whole body that is
+     * neither noisy, flat nor like a ball, before the last radius; not in contact, tracking, a box or with noise_mm. */
+    float curvature;
+    uint32_t use_box; /* 0 or 1, default 0. 1: vertices outside the box get no force */
+    float box_min[3]; /* mm, [-100000, 100000], default 0. Lowest corner of the box, used only with use_box */
+    float box_max[3]; /* mm, [-100000, 100000], default 0. Highest corner of the box, nowhere below the lowest */
 } smr_forces_config;
 
 /* config.motion: how positions and the reference shape follow the forces (paper 2.3). */
