@@ -967,8 +967,8 @@ typedef struct smr_forces_config {
     float reject_deviations;
     uint32_t reject_border; /* 0 or 1, default 0. 1: closest points on the border of an open target are not goals */
     uint32_t node_budget;   /* tree nodes, [8, 1000000], default 512. Most nodes that one closest-point search opens */
-    /* share, [0, 1], default 0.06. Goals shift to where a mesh bulges as the model does. Acts on one whole body that is
-     * neither noisy, flat nor like a ball, before the last radius; not in contact, tracking, a box or with noise_mm. */
+    /* share, [0, 1], default 0.06. Goals shift to where a mesh bulges as the model does. Acts on one whole body, not
+     * noisy, flat, like a ball or refitted, before the last radius; not with contact.share, use_box or noise_mm. */
     float curvature;
     uint32_t use_box; /* 0 or 1, default 0. 1: vertices outside the box get no force */
     float box_min[3]; /* mm, [-100000, 100000], default 0. Lowest corner of the box, used only with use_box */

@@ -151,6 +151,17 @@ static float slipped(const smr_model *model, float curvature, int inside, uint64
     return sum / (float)from.nv;
 }
 
+/* A refit moves ridges and measures none: the surface has no relief from then on. */
+TEST(refitted_surfaces_have_none)
+{
+    const unit_mesh from = hilly(4, 1, 0), turned = hilly(4, 1, 90);
+    smr_surface *s = unit_surface(&from);
+    assert_non_null(s->relief);
+    assert_int_equal(SMR_OK, smr_surface_refit(s, turned.xyz));
+    assert_int_equal(SMR_OK, smr_surface_step(s, 0, NULL, 0));
+    assert_null(s->relief);
+}
+
 TEST(ridges_go_onto_ridges)
 {
     const unit_mesh from = hilly(4, 1, 0);

@@ -104,7 +104,7 @@ const host_option host_option_table[] = {
     {"--reject-border", HOST_REGISTER, HOST_KIND_FLAG, CONFIG(forces.reject_border), LIBRARY, 0, NULL,
      HOST_FOR_SURFACES},
     {"--node-budget", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(forces.node_budget), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
-    {"--curvature", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(forces.curvature), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
+    {"--curvature", ONTO, HOST_KIND_FLOAT, CONFIG(forces.curvature), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--plastic-um", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(motion.plastic_um), LIBRARY, 0, NULL, 0},
     {"--plastic-every", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(motion.plastic_every), LIBRARY, 0, NULL, 0},
     {"--strain-most", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(motion.strain_most), LIBRARY, 0, NULL, 0},

@@ -83,10 +83,11 @@ static void check_triangles(smr_surface *s, uint32_t first, uint32_t last)
         s->work.refused |= s->work.mesh.triangles[i] >= s->n_vertices;
 }
 
-/* Copies positions relative to the origin; clears normals and areas. */
+/* Copies positions relative to the origin; clears normals and areas, and the relief, which only a build measures. */
 static void copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     s->changes += first == 0u ? s->work.refit : 0u;
+    s->relief = NULL;
     s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
     for (uint32_t i = first; i < last; i++) {
         smr_put3(s->xyz, i, smr_sub(smr_get3(s->work.mesh.xyz, i), s->origin));
