@@ -223,6 +223,31 @@ TEST(test_draw)
     }
 }
 
+/* Landmarks far off the surface, as the centre of a joint is, reach their places, too. */
+TEST(test_far_off_the_surface)
+{
+    for (uint32_t k = 0; k < 6u; k++) {
+        smr *s = start(N, NULL);
+        smr_landmark mark[N];
+        float turn[9];
+        rig_rotation(1, 2, 3, 6, turn);
+        marks(mark, k % 2u);
+        for (uint32_t i = 0; i < N; i++) {
+            mark[i].vertex = SMR_NONE;
+            memcpy(mark[i].rest, ball[0].xyz + 3u * (size_t)(i * (ball[0].n_vertices - 1u) / (N - 1u)),
+                   sizeof mark[i].rest);
+            for (uint32_t c = 0; c < 3u; c++)
+                mark[i].rest[c] *= (float)(2u + k / 2u);
+            for (uint32_t c = 0; c < 3u; c++)
+                mark[i].place[c] = turn[3u * c] * mark[i].rest[0] + turn[3u * c + 1u] * mark[i].rest[1] +
+                                   turn[3u * c + 2u] * mark[i].rest[2] + 2.0f;
+        }
+        assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
+        (void)rig_run(s, 1000);
+        assert_true(farthest(s, mark, N) < 0.05f);
+    }
+}
+
 /* One landmark shifts, and too few for a field say so. */
 TEST(test_few)
 {

@@ -1,7 +1,8 @@
 /* landmark_goals.c: positions of landmarks on the model and their goals. A landmark off the surface is attached to
- * its foot, the closest point of the surface; vertices around the foot rotate the offset.
- * Bounds: SMR_LANDMARK_NEAR pairs of a fit for a landmark off the surface.
+ * its foot, the closest point of the surface; vertices around the foot, as far as the offset is long, rotate it.
+ * Bounds: SMR_LANDMARK_NEAR pairs of a fit, and one of eigenvalues, for a landmark off the surface.
  * SPDX-License-Identifier: MIT */
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "options/partial/partial.h"
 
 #define SMR_MORE_SHARE 0.2f /* share of a hard landmark's residual that an iteration adds to the displacement `more` */
@@ -107,6 +108,27 @@ smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k)
 smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k)
 {
     return smr_sub(smr_sub(smr_load(g->landmark[k].given.place), g->shape->origin), smr_landmark_offset(g, k));
+}
+
+float smr_landmark_share(const smr_landmark_goals *g, uint32_t k)
+{
+    const smr_bound_landmark *b = &g->landmark[k];
+    const float offset2 = smr_dot(b->offset, b->offset) * (float)b->n_near;
+    float spread[6] = {0}, along[3], axes[9];
+    if (b->n_near == 0u)
+        return 1.0f;
+    for (uint32_t i = 0; i < b->n_near; i++) {
+        const smr_vec d = smr_sub(smr_rest(g->shared, b->near[i]), b->foot);
+        spread[SMR_XX] += d.x * d.x;
+        spread[SMR_XY] += d.x * d.y;
+        spread[SMR_XZ] += d.x * d.z;
+        spread[SMR_YY] += d.y * d.y;
+        spread[SMR_YZ] += d.y * d.z;
+        spread[SMR_ZZ] += d.z * d.z;
+    }
+    smr_eigen(spread, along, axes);
+    const float reach2 = along[1] + along[2]; /* about the longest axis, where `near` resists a turn least */
+    return offset2 > reach2 ? smr_max(reach2, 0.0f) / smr_max(offset2, SMR_SUM_TINY) : 1.0f;
 }
 
 float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v)

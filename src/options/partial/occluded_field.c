@@ -117,7 +117,8 @@ static void add_landmark(smr_occluded_field *f, uint32_t k)
 {
     const smr_landmark_goals *g = f->landmarks;
     const float weight = smr_field_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
-    const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
+    const smr_vec now = smr_landmark_foot(g, k, f->shape->x), left = smr_sub(smr_landmark_goal(g, k), now);
+    const smr_vec to = smr_add(smr_add(now, smr_scale(left, smr_landmark_share(g, k))), g->landmark[k].more);
     add_control(f, k, smr_landmark_foot(g, k, smr_field_start(f)), to, weight, &f->fit);
     f->noise_variance[k] = smr_field_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_NOISE / weight;
 }

@@ -124,6 +124,9 @@ smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz);
 smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k);
 /* Returns the goal of the foot of landmark k, mm from the shape's origin, without the displacement `more`. */
 smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k);
+/* Returns the share of the way to its goal that the foot of landmark k goes in an iteration: less than 1 where the
+ * offset is longer than `near` reaches, since a small turn of `near` then moves the landmark farther than the foot. */
+float smr_landmark_share(const smr_landmark_goals *g, uint32_t k);
 /* Returns the weight of landmark k at vertex v: 1 at its triangle's corners, 0 from `reach` on, in start positions. */
 float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v);
 int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v); /* returns 1 if a landmark's foot depends on v */

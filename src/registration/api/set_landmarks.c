@@ -80,6 +80,16 @@ static void find_near(smr_bound_landmark *b, const smr *s, uint32_t structure, u
     }
 }
 
+/* Lists the most important vertices within the length of the offset from the foot: they lie apart. */
+static void find_spread(smr_bound_landmark *b, const smr *s, uint32_t structure)
+{
+    const float most = smr_dot(b->offset, b->offset);
+    b->n_near = 0;
+    for (uint32_t v = 0; v < s->shared.n && b->n_near < SMR_LANDMARK_NEAR; v++)
+        if (of_structure(s, structure, v) && smr_distance2(smr_rest(&s->shared, v), b->foot) <= most)
+            b->near[b->n_near++] = v;
+}
+
 static void bind_rest(smr_bound_landmark *b, const smr *s)
 {
     const smr_vec p = smr_sub(smr_load(b->given.rest), smr_model_centre(s->shared.model));
@@ -90,9 +100,12 @@ static void bind_rest(smr_bound_landmark *b, const smr *s)
     }
     b->offset = smr_sub(p, b->foot);
     b->n_near = 0;
-    if (smr_dot(b->offset, b->offset) > SMR_ON_SURFACE * SMR_ON_SURFACE)
-        find_near(b, s, smr_model_owner(s->shared.model, b->corner[0]), SMR_LANDMARK_NEAR);
-    else
+    if (smr_dot(b->offset, b->offset) > SMR_ON_SURFACE * SMR_ON_SURFACE) {
+        const uint32_t structure = smr_model_owner(s->shared.model, b->corner[0]);
+        find_spread(b, s, structure);
+        if (b->n_near < SMR_LANDMARK_NEAR)
+            find_near(b, s, structure, SMR_LANDMARK_NEAR);
+    } else
         b->offset = smr_v(0, 0, 0);
 }
 
