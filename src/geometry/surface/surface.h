@@ -128,8 +128,8 @@ typedef void smr_surface_stage(smr_surface *s, uint32_t first, uint32_t last);
 smr_surface_stage smr_fragments_forget, smr_fragments_join, smr_fragments_sum, smr_bodies_number, smr_fragments_mark;
 smr_surface_stage smr_fragments_release;
 smr_surface_stage smr_offsets_find, smr_offsets_compare; /* surface_noise.c: these set noise_mm */
-smr_surface_stage smr_bulges_slope, smr_bulges_smooth, smr_bulges_mean, smr_bulges_size,
-    smr_relief_set; /* surface_relief.c */
+smr_surface_stage smr_bulges_smooth, smr_bulges_slope, smr_bulges_mean, smr_bulges_size; /* surface_relief.c */
+smr_surface_stage smr_relief_set;
 
 /* Returns a vertex' bulge, 1/mm. offset: of its ring's mean along the normal, mm; square: mean squared distance */
 float smr_bulge(float offset, float square);
