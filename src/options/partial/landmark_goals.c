@@ -1,6 +1,6 @@
 /* landmark_goals.c: positions of landmarks on the model and their goals. A landmark off the surface is attached to
  * its foot, the closest point of the surface; vertices around the foot, as far as the offset is long, rotate it.
- * Bounds: SMR_LANDMARK_NEAR pairs of a fit, and one of eigenvalues, for a landmark off the surface.
+ * Bounds: SMR_LANDMARK_NEAR pairs of a fit for a landmark off the surface.
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "options/partial/partial.h"
@@ -114,9 +114,7 @@ float smr_landmark_share(const smr_landmark_goals *g, uint32_t k)
 {
     const smr_bound_landmark *b = &g->landmark[k];
     const float offset2 = smr_dot(b->offset, b->offset) * (float)b->n_near;
-    float spread[6] = {0}, along[3], axes[9];
-    if (b->n_near == 0u)
-        return 1.0f;
+    float spread[6] = {0};
     for (uint32_t i = 0; i < b->n_near; i++) {
         const smr_vec d = smr_sub(smr_rest(g->shared, b->near[i]), b->foot);
         spread[SMR_XX] += d.x * d.x;
@@ -126,8 +124,12 @@ float smr_landmark_share(const smr_landmark_goals *g, uint32_t k)
         spread[SMR_YZ] += d.y * d.z;
         spread[SMR_ZZ] += d.z * d.z;
     }
-    smr_eigen(spread, along, axes);
-    const float reach2 = along[1] + along[2]; /* about the longest axis, where `near` resists a turn least */
+    const float *const m = spread, sum = m[SMR_XX] + m[SMR_YY] + m[SMR_ZZ];
+    const float across2 = m[SMR_XY] * m[SMR_XY] + m[SMR_XZ] * m[SMR_XZ] + m[SMR_YZ] * m[SMR_YZ];
+    const float along2 = m[SMR_XX] * m[SMR_XX] + m[SMR_YY] * m[SMR_YY] + m[SMR_ZZ] * m[SMR_ZZ] + 2.0f * across2;
+    /* About the longest axis `near` resists a turn least. The root of all squares is the largest eigenvalue or a little
+     * more; 1.5 makes up for it where `near` lies about as far in all directions. */
+    const float reach2 = 1.5f * (sum - SMR_SQRT(along2));
     return offset2 > reach2 ? smr_max(reach2, 0.0f) / smr_max(offset2, SMR_SUM_TINY) : 1.0f;
 }
 
