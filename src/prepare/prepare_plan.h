@@ -110,9 +110,10 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 /* Takes all arrays of the plan from the arena, or measures them. smr_plan_start() must have set their sizes. */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
-/* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
-/* Measures relief[] in `bytes` of scratch memory at `scratch`: relief_prepare.c. */
+/* Measures relief[] in `bytes` of scratch memory, before the layout: relief_prepare.c. */
 void smr_plan_relief(smr_plan *p, void *scratch, size_t bytes);
+
+/* Stages of smr_prepare(), in this order; smr_plan says which fields each one writes. */
 void smr_plan_order(smr_plan *p);          /* numbers vertices and triangles: curve_numbering.c */
 void smr_plan_neighbours(smr_plan *p);     /* lists mesh neighbours: mesh_measures.c */
 void smr_plan_mass(smr_plan *p);           /* computes the vertices' masses: mesh_measures.c */
