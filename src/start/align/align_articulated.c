@@ -4,6 +4,7 @@
  * the motion of the patch before; in the rounds of each step all patches follow closest points and each other. A patch
  * follows a point only where the target faces as the patch does, where a neighbour has found the target, and where no
  * patch elsewhere on the model lies nearer: limbs side by side stay apart, and what the target lacks is carried along.
+ * While patches join, those rest around which nothing moves, but for each eighth step.
  * The result is taken when it explains both surfaces much better than the start pose, and most of one of them; where a
  * surface lacks a part of the other, when it explains that surface nearly whole. Rigid bodies then follow the target.
  * Bounds: rounds * steps searches from each patch, a step is a ring of patches around the seed; then one in each round.
@@ -180,8 +181,10 @@ static void end_round(void *job, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t w
     smr_bent_job *const j = job;
     smr_bent *w = j->w;
     const float cell2 = w->radius * w->radius;
-    for (uint32_t k = 0; k < w->patch[w->seed].n_near && w->agree2 == 0.0f; k++)
+    for (uint32_t k = 0; k < w->patch[w->seed].n_near && w->agree2 == 0.0f; k++) {
         w->patch[w->patch[w->seed].member[k]].motion = w->patch[w->seed].motion;
+        w->patch[w->patch[w->seed].member[k]].rests = w->patch[w->seed].rests;
+    }
     if (w->agree2 > 0.0f)
         w->agree2 = smr_max(SMR_BENT_STRICTER * SMR_BENT_STRICTER * w->agree2, SMR_BENT_AGREE * SMR_BENT_AGREE * cell2);
     if (++w->round < SMR_BENT_ROUNDS || w->agree2 > 0.0f) {

@@ -8,6 +8,8 @@
 #define SMR_BENT_NODES 400u      /* largest number of nodes that a search opens */
 #define SMR_BENT_LIMIT 0.12f     /* distance at which a place costs 1 / spread of the model */
 #define SMR_BENT_LEARN 0.01f     /* largest motion after which a patch learns how near other triangles are / radius */
+#define SMR_BENT_REST 0.02f      /* motion in a round up to which a patch rests while others join / radius of a cell */
+#define SMR_BENT_RESTLESS 8u     /* of so many steps one is without rest */
 #define SMR_BENT_ROUNDED 2.5e-7f /* rounding of places as a share of the coordinates */
 #define SMR_BENT_COS 0.8f        /* smallest cosine between the normals of a patch and of its closest point */
 #define SMR_BENT_COVER_COS 0.3f  /* the same of a cell of the target and of the patch that covers it */
@@ -104,10 +106,30 @@ static int may_follow(const smr_bent *w, const smr_patch *p)
     return near && owned;
 }
 
+/* Returns 1 when all near members that have joined have the motion of the round before. */
+static int stays(const smr_bent *w, const smr_patch *p)
+{
+    uint32_t k = 0;
+    while (k < p->n_near && (w->patch[p->member[k]].joined == 0u || w->patch[p->member[k]].rests))
+        k++;
+    return k == p->n_near;
+}
+
+static float weight_of(const smr_bent *w, const smr_patch *p, float range2)
+{
+    const float half = 1.0f / (1.0f + p->d2 / range2);
+    return p->on != SMR_NONE && may_follow(w, p) ? half * half : 0.0f;
+}
+
 int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause)
 {
     const smr_surface *s = w->side[SMR_TARGET].surface;
     const float range2 = SMR_BENT_REACH * SMR_BENT_REACH * w->radius * w->radius;
+    if (p->joined > 0u && stays(w, p)) {
+        p->moved = 0.0f;
+        p->weight = weight_of(w, p, range2);
+        return 1;
+    }
     p->weight = 0.0f;
     p->d2 = FLT_MAX;
     p->on = SMR_NONE;
@@ -117,6 +139,7 @@ int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause)
     const smr_query q = {p->at, smr_pose_turn(&p->motion, p->normal), SMR_BENT_COS, SMR_BENT_NODES, p->triangle};
     smr_hit hit = {range2, SMR_NONE, {0, 0, 0}};
     const float moved = smr_length(smr_sub(p->at, p->searched));
+    p->moved = moved;
     const float size = smr_abs(p->at.x) + smr_abs(p->at.y) + smr_abs(p->at.z) + moved;
     const float other = p->other_mm - moved - SMR_BENT_ROUNDED * size;
     smr_certainty known = {moved < SMR_BENT_LEARN * w->radius ? moved : -1.0f, other, 0, pause};
@@ -130,8 +153,7 @@ int smr_patch_find(const smr_bent *w, smr_patch *p, smr_pause *pause)
     p->d2 = hit.d2;
     p->on = w->side[SMR_TARGET].of[s->triangle[3u * (size_t)hit.triangle]];
     p->goal = smr_triangle_point(&s->tree, hit.triangle, hit.weight);
-    const float half = 1.0f / (1.0f + hit.d2 / range2);
-    p->weight = p->on != SMR_NONE && may_follow(w, p) ? half * half : 0.0f;
+    p->weight = weight_of(w, p, range2);
     return 1;
 }
 
@@ -152,6 +174,20 @@ void smr_patch_extend(const smr_bent *w, smr_patch *p)
         add_neighbours(w, p, p->n_links + 1u, SMR_BENT_MEMBERS);
 }
 
+/* Returns 1 when a patch may rest: while others join, when no near member that has joined has moved in this round. In
+ * some steps none rests, so that small motions add up. */
+static uint32_t may_rest(const smr_bent *w, const smr_patch *p)
+{
+    if (w->agree2 > 0.0f || w->round == 0u || w->step % SMR_BENT_RESTLESS == 0u)
+        return 0;
+    for (uint32_t k = 0; k < p->n_near; k++) {
+        const smr_patch *q = &w->patch[p->member[k]];
+        if (q->joined > 0u && q->moved > SMR_BENT_REST * w->radius)
+            return 0;
+    }
+    return 1;
+}
+
 void smr_patch_fit(const smr_bent *w, smr_patch *p)
 {
     smr_fit fit;
@@ -160,6 +196,9 @@ void smr_patch_fit(const smr_bent *w, smr_patch *p)
     p->found = p->weight > 0.0f;
     const int joining = w->agree2 == 0.0f;
     if (joining && p->joined == 1u && p != &w->patch[w->seed])
+        return;
+    p->rests = may_rest(w, p);
+    if (p->rests)
         return;
     smr_fit_start(&fit, p->rest, p->at);
     for (uint32_t k = 0; k < (joining ? p->n_near : p->n); k++) {

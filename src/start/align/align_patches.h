@@ -23,6 +23,8 @@ typedef struct smr_patch {
     uint32_t triangle;                 /* the target's triangle with the closest point; SMR_NONE: none */
     float other_mm;                    /* lower bound of the distance to all other triangles ... */
     smr_vec searched;                  /* ... from the place of the last search */
+    float moved;                       /* mm from the place of the search before */
+    uint32_t rests;                    /* 1: the motion is that of the round before */
     uint32_t on;                       /* the target's cell with the closest point; SMR_NONE: none */
     uint32_t joined;                   /* step in which the patch joined; 0: not yet */
     uint32_t body;                     /* the rigid body to which it belongs; SMR_NONE: none */
