@@ -1,7 +1,7 @@
 /* convergence_and_plasticity.c: the end of a radius, and of the registration with the last radius; and when the
  * reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration): when the model is at rest
  * (paper 3), after plastic_every iterations, and at the end of a radius.
- * Bounds: one pass over the vertices.
+ * Bounds: one pass over the vertices, a task for each SMR_CHUNK of them.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 
@@ -69,11 +69,23 @@ int smr_plastic_ahead(const smr *s)
 
 void smr_plastic_update(smr *s)
 {
-    smr_plastic_positions(&s->shape);
     s->reference.stale = 1;
     s->schedule.since_plastic = 0;
     s->schedule.plastic_updates++;
 }
 
-void smr_plastic_positions(smr_shape *s) { memcpy(s->x_ref, s->x, 3u * (size_t)s->shared->n * sizeof(float)); }
-void smr_plastic_normals(smr_shape *s) { memcpy(s->normal_ref, s->normal, 3u * (size_t)s->shared->n * sizeof(float)); }
+int smr_plastic_follows(const smr *s) { return s->schedule.plastic_updates > 0u && s->schedule.since_plastic == 0u; }
+
+uint32_t smr_plastic_tasks(const void *arg)
+{
+    const smr *s = arg;
+    return smr_plastic_follows(s) ? s->shared.n_tasks : 0u;
+}
+
+void smr_plastic_follow(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    const smr_shape *s = &((smr *)arg)->shape;
+    const size_t first = 3u * SMR_CHUNK * (size_t)task, n = 3u * (size_t)smr_chunk_end(s->shared, task) - first;
+    memcpy(s->x_ref + first, s->x + first, n * sizeof *s->x);
+    memcpy(s->normal_ref + first, s->normal + first, n * sizeof *s->normal);
+}

@@ -15,7 +15,7 @@
 #define SMR_TICKING 0x5a3c6996u  /* values far from 0 in bits: a flipped bit does not turn the guard off */
 #define SMR_STARTING 0xa596c369u /* ticking: a job is setting the start positions, and only that job goes on */
 #define SMR_GUARD_CLOSED 0xc3a59669u
-#define SMR_STEPS_MAX 49u /* largest number of steps of an iteration */
+#define SMR_STEPS_MAX 51u /* largest number of steps of an iteration */
 
 /* Measured costs of steps, and decisions of the time budget (time_budget.c). */
 typedef struct smr_time_budget {

@@ -32,9 +32,11 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic);
 /* Returns 1 when x^r will be set to x after the current iteration. In tracking and dynamics x^r is the rest shape in
  * new poses instead (tracking_rest_shape.c). */
 int smr_plastic_ahead(const smr *s);
-void smr_plastic_update(smr *s); /* sets x^r to x; smr_plastic_normals() must follow for the normals */
-void smr_plastic_positions(smr_shape *shape);
-void smr_plastic_normals(smr_shape *shape);
+void smr_plastic_update(smr *s);       /* x^r is x from now on, of which the next iteration's first step makes a copy */
+int smr_plastic_follows(const smr *s); /* 1: x^r is x, whether or not the copy is made */
+/* First step: copies positions and normals to those of the reference shape where plasticity has set x^r to x. */
+smr_count_tasks smr_plastic_tasks;
+smr_run_task smr_plastic_follow;
 
 /* strain_bound.c. Step, one task after the other: shortens edges of the next positions that are beyond the bound. */
 smr_count_tasks smr_strain_tasks;

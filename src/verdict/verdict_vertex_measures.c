@@ -16,10 +16,10 @@ int smr_vertex_visible(const smr *s, uint32_t v)
     int32_t wins = 0;
     uint32_t n = 0;
     if (g->target[owner].surface != NULL && g->visibility != NULL && g->target[owner].n_judged > 0u)
-        return g->visibility[v] > SMR_VISIBLE_ONE / 2u;
+        return smr_visibility_found(&s->forces, v) > SMR_VISIBLE_ONE / 2u;
     if (g->target[owner].surface != NULL || !s->forces.image.has_image || !s->forces.image.structure[owner].idle ||
         smr_field_of_past(&s->forces.occluded))
-        return s->forces.found_last[v] == SMR_FOUND_GOAL;
+        return smr_found(&s->forces, v) == SMR_FOUND_GOAL;
     smr_image_compare(&s->forces.image, v, &wins, &n); /* goals are unknown after the search has ended */
     return wins > 0;
 }

@@ -102,6 +102,8 @@ static const struct {
     {smr_forces_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},
     {smr_visibility_count, SMR_PHASE_FORCES, TARGET_VERTICES, "visible vertices"},
     {smr_forces_take, SMR_PHASE_FORCES, TARGET_VERTICES, "forces"},
+    {smr_plastic_follow, SMR_PHASE_FORCES, TARGET_VERTICES, "new reference shape"},
+    {smr_sources_keep, SMR_PHASE_SUMS, TARGET_VERTICES, "forces' results"},
     {smr_rest_pose_sum, SMR_PHASE_SUMS, TARGET_VERTICES, "the last radius' pose"},
     {smr_reference_reach, SMR_PHASE_SUMS, TARGET_VERTICES, "reach"},
     {smr_reference_record, SMR_PHASE_SUMS, TARGET_VERTICES, "reference records"},

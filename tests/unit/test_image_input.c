@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig_ball_image.h"
-#include "registration/registration.h"
+#include "registration/schedule_radius.h"
 
 TEST(test_needs_profiles)
 {
@@ -119,6 +119,25 @@ TEST(test_take_away)
     const smr_tick_report r = rig_run(s, 1);
     assert_int_equal(0, r.details.n_active);
     assert_int_equal(0, r.n_forces);
+}
+
+/* A new volume finds the reference shape that plasticity has just set, whose copy the next iteration would make. */
+TEST(test_after_plasticity)
+{
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere),
+                     target = rig_ball_image(RIG_BALL_MM + 2.0f, rig_shift);
+    smr_config c = smr_config_default();
+    c.motion.plastic_every = 2;
+    smr *s = rig_init(rig_ball_model(&reference), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+    while (!smr_plastic_follows(s))
+        (void)rig_run(s, 1);
+    const uint64_t hash = smr_state_hash(s);
+    assert_true(memcmp(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float)) != 0);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+    assert_memory_equal(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float));
+    assert_memory_equal(s->shape.normal, s->shape.normal_ref, 3u * s->shared.n * sizeof(float));
+    assert_true(hash == smr_state_hash(s));
 }
 
 /* Whatever a volume may hold, the model that is prepared with it can be opened. */

@@ -202,6 +202,7 @@ TEST(test_plasticity)
         smr_config c = steady();
         smr_tick_report report = {0};
         uint32_t since = 0;
+        float before[3000];
         c.motion.plastic_every = every;
         c.basic.iterations_last = 12;
         c.schedule.radius_first = 2;
@@ -210,11 +211,14 @@ TEST(test_plasticity)
         smr *s = start(&c, 1, 0);
         for (uint32_t i = 0; i < 11u; i++) {
             const uint32_t updates = report.details.plastic_updates;
+            const int follows = smr_plastic_follows(s);
+            memcpy(before, s->shape.x, 3u * s->shared.n * sizeof(float));
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+            assert_true(!follows || memcmp(before, s->shape.x_ref, 3u * s->shared.n * sizeof(float)) == 0);
             since++;
             const int due = every > 0u && since == every;
             assert_int_equal(updates + (due ? 1u : 0u), report.details.plastic_updates);
-            assert_int_equal(due, memcmp(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float)) == 0);
+            assert_int_equal(due, smr_plastic_follows(s));
             assert_int_equal(due, s->reference.stale);
             since = due ? 0u : since;
         }

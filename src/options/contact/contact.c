@@ -129,12 +129,13 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
 }
 
 /* Stores the current forces' distance bounds. Bounds of inactive vertices fall by twice the largest displacement. */
-void smr_contact_commit(smr_contact *c)
+void smr_contact_keep(smr_contact *c, smr_piece p)
 {
     const uint32_t n = smr_contact_on(c) ? c->schedule->n_active : 0u;
-    memcpy(c->reach, c->reach_next, n * sizeof *c->reach);
-    for (uint32_t v = n; v < c->shared->n; v++)
-        if (c->reach[v] != SMR_REACH_UNKNOWN)
+    for (uint32_t v = p.first; v < p.last; v++)
+        if (v < n)
+            c->reach[v] = c->reach_next[v];
+        else if (c->reach[v] != SMR_REACH_UNKNOWN)
             c->reach[v] = smr_max(c->reach[v] - 2.0f * *c->moved_mm, 2.0f * SMR_REACH_UNKNOWN);
 }
 

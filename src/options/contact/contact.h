@@ -58,8 +58,8 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
 void smr_contact_model(smr_contact *c, uint32_t structure, const smr_bulk *rest);
 /* discards contacts, pushes and distance bounds of a part of the vertices */
 void smr_contact_reset(smr_contact *c, uint32_t part, uint32_t parts);
-void smr_contact_begin(smr_contact *c);  /* when an iteration begins: computes boxes and triangles_due */
-void smr_contact_commit(smr_contact *c); /* when forces are complete: stores reach_next in reach */
+void smr_contact_begin(smr_contact *c);             /* when an iteration begins: computes boxes and triangles_due */
+void smr_contact_keep(smr_contact *c, smr_piece p); /* when forces are complete: stores reach_next in reach */
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface); /* sets a fixed surface; NULL: none */
 /* Checks that no fixed surface has changed since it was set. Errors: E_STATE; E_DAMAGED (a fault in a header). */
 smr_status smr_fixed_valid(const smr_contact *c);

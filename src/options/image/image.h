@@ -106,8 +106,9 @@ typedef struct smr_image_summing {
     float noise, noisy; /* sum of the structures' noise, and number of structures with noise */
 } smr_image_summing;
 int smr_image_goals_sum(smr_image_goals *g,
-                        smr_image_summing *j);   /* sets noise and n_invisible; returns 1 at the end */
-void smr_image_goals_commit(smr_image_goals *g); /* when forces are complete: keeps contrast and brightness */
+                        smr_image_summing *j); /* sets noise and n_invisible; returns 1 at the end */
+/* when forces are complete: keeps contrast and brightness of some vertices; pieces come in order */
+void smr_image_keep_found(smr_image_goals *g, smr_piece p);
 
 /* Returns 1 when the profile of v is complete and the image contains the whole line of the profile at v. */
 int smr_image_shows(const smr_image_goals *g, uint32_t v);

@@ -61,18 +61,16 @@ void smr_image_goals_reset(smr_image_goals *g, uint32_t part, uint32_t parts)
     g->n_invisible = 0;
 }
 
-static void count_invisible(smr_image_goals *g)
+void smr_image_keep_found(smr_image_goals *g, smr_piece p)
 {
-    g->n_invisible = 0;
-    for (uint32_t v = 0; v < g->shared->n; v++)
+    g->n_invisible = p.first == 0u ? 0u : g->n_invisible;
+    for (uint32_t v = p.first; v < p.last; v++) {
+        if (v < g->schedule->n_active) {
+            g->contrast[v] = g->contrast_next[v];
+            g->brighter[v] = g->brighter_next[v];
+        }
         g->n_invisible += g->brighter[v] == SMR_BRIGHTER_HIDDEN;
-}
-
-void smr_image_goals_commit(smr_image_goals *g)
-{
-    memcpy(g->contrast, g->contrast_next, g->schedule->n_active);
-    memcpy(g->brighter, g->brighter_next, g->schedule->n_active);
-    count_invisible(g);
+    }
 }
 
 void smr_image_forget(smr_image_goals *g, uint32_t v)

@@ -67,20 +67,16 @@ void smr_landmark_goals_reset(smr_landmark_goals *g, uint32_t part, uint32_t par
 }
 
 /* Moves goals of hard landmarks by integral control, only at a last radius whose clusters have several vertices. */
-void smr_landmark_goals_commit(smr_landmark_goals *g)
+void smr_landmark_keep(smr_landmark_goals *g, uint32_t k)
 {
     const float most = SMR_MORE_MOST * g->reach;
-    if (!smr_at_last_radius(g->shared, g->schedule) || g->schedule->lists.largest <= 1u)
+    smr_bound_landmark *b = &g->landmark[k];
+    if (!smr_at_last_radius(g->shared, g->schedule) || g->schedule->lists.largest <= 1u || b->given.hard == 0u)
         return;
-    for (uint32_t k = 0; k < g->n; k++) {
-        smr_bound_landmark *b = &g->landmark[k];
-        if (b->given.hard == 0u)
-            continue;
-        const smr_vec left = smr_sub(smr_landmark_goal(g, k), smr_landmark_foot(g, k, g->shape->x));
-        const smr_vec more = smr_add(b->more, smr_scale(left, SMR_MORE_SHARE));
-        const float length = smr_length(more);
-        b->more = length > most ? smr_scale(more, most / length) : more;
-    }
+    const smr_vec left = smr_sub(smr_landmark_goal(g, k), smr_landmark_foot(g, k, g->shape->x));
+    const smr_vec more = smr_add(b->more, smr_scale(left, SMR_MORE_SHARE));
+    const float length = smr_length(more);
+    b->more = length > most ? smr_scale(more, most / length) : more;
 }
 
 smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz)

@@ -19,7 +19,7 @@
 #define SMR_FIELD_PART 8u      /* smallest number of model vertices per control, above SMR_CONTROLS controls */
 #define SMR_FIELD_LEAST 4u     /* least number of controls for a field of vertices, and for a scale other than 1 */
 #define SMR_LOOK 512u          /* number of vertices that one task looks at to count or choose controls */
-#define SMR_FIELD_CHUNK 16u    /* number of controls in a task, except in the Cholesky factor's, a column each */
+#define SMR_FIELD_CHUNK 4u     /* number of controls in a task, except in the Cholesky factor's, a column each */
 #define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark / variance of the field */
 
 /* State of the choice of controls, in the memory of the Cholesky factor, which is computed later. */

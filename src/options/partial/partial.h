@@ -114,7 +114,7 @@ typedef struct smr_landmark_goals {
 static inline int smr_landmarks_on(const smr_landmark_goals *g) { return SMR_HAS_PARTIAL && g->n > 0u; }
 
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared);
-void smr_landmark_goals_commit(smr_landmark_goals *g); /* after forces: sets `more` of hard landmarks */
+void smr_landmark_keep(smr_landmark_goals *g, uint32_t k); /* after forces: sets `more` of a hard landmark */
 /* sets `more` and a part of `visibility` to 0 */
 void smr_landmark_goals_reset(smr_landmark_goals *g, uint32_t part, uint32_t parts);
 

@@ -209,7 +209,6 @@ void smr_visibility_commit(smr_surface_goals *g)
 {
     if (smr_visibility_tasks(g) == 0u)
         return;
-    memcpy(g->visibility, g->visibility_next, g->schedule->n_active);
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         g->target[i].n_visible = g->target[i].visible_now;
         g->target[i].n_judged = g->target[i].judged_now;

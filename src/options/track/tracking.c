@@ -87,7 +87,7 @@ void smr_tracking_start(smr *s)
     s->schedule.found = share_found(s);
     s->schedule.noise_mm = smr_residual_typical(&s->forces.surface);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
-    smr_plastic_positions(&s->shape);
+    memcpy(s->shape.x_ref, s->shape.x, 3u * (size_t)s->shared.n * sizeof *s->shape.x);
     smr_track_rest_start(&s->shape);
     go_to(s, smr_radius_after(s));
 }

@@ -1,6 +1,7 @@
 /* get_results.c: reads positions, normals, reports and the state of the log.
  * SPDX-License-Identifier: MIT */
 #include "options/references/references.h"
+#include "registration/schedule_radius.h"
 #include "registration/tick/iteration_steps.h"
 
 smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
@@ -47,8 +48,8 @@ static void report_forces(const smr *s, const smr_shape_structure *one, smr_stru
     float sum = 0.0f, most = 0.0f, n = 0.0f;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        report->n_rejected += s->forces.found_last[v] >= SMR_FOUND_NONE;
-        if (s->forces.found_last[v] != SMR_FOUND_GOAL)
+        report->n_rejected += smr_found(&s->forces, v) >= SMR_FOUND_NONE;
+        if (smr_found(&s->forces, v) != SMR_FOUND_GOAL)
             continue;
         report->n_forces++;
         if (s->forces.residual[v] < 0.0f)
@@ -102,7 +103,8 @@ uint64_t smr_state_hash(const smr *s)
 {
     if (smr_sound(s) != SMR_OK || s->ticking == SMR_STARTING)
         return 0;
-    return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(s->shape.x_ref, s->shared.n);
+    float *const x_ref = smr_plastic_follows(s) ? s->shape.x : s->shape.x_ref;
+    return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(x_ref, s->shared.n);
 }
 
 smr_status smr_get_log(const smr *s, smr_log_state *state)

@@ -113,6 +113,8 @@ _Static_assert(sizeof(saving) <= SMR_JOB_BYTES, "a save in progress lies in the 
 static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes, size_t first, size_t last)
 {
     smr copy = *s;
+    copy.shape.x_ref = smr_plastic_follows(s) ? s->shape.x : s->shape.x_ref;
+    copy.shape.normal_ref = smr_plastic_follows(s) ? s->shape.normal : s->shape.normal_ref;
     const size_t values_at = SMR_SAVED_FIXED + 4u * smr_log_config_words(&s->shared.config);
     smr_keeper k = {.mode = mode, .to = to, .at = values_at, .bytes = bytes, .first = first, .last = last};
     smr_go_over(&copy, &k);

@@ -4,6 +4,7 @@
 #include "options/track/track.h"
 #include "geometry/box_tree/triangle.h"
 #include "registration/api/setup.h"
+#include "registration/tick/iteration_steps.h"
 
 #define SMR_ON_SURFACE 1.0e-3f /* mm: points nearer to the surface count as on the surface */
 
@@ -133,6 +134,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
     for (uint32_t i = 0; i < n; i++)
         if (!legal(s, &landmarks[i]))
             return SMR_E_INPUT;
+    smr_forces_settle(s);
     smr_landmark_goals *g = &s->forces.landmarks;
     for (uint32_t i = 0; i < n; i++)
         bind_point(&g->landmark[i], s, &landmarks[i], i < g->n && same_point(&g->landmark[i].given, &landmarks[i]));

@@ -5,6 +5,7 @@
 #include "registration/tick/iteration_steps.h"
 #include "options/track/track.h"
 #include "registration/api/setup.h"
+#include "registration/schedule_radius.h"
 
 /* Returns the number of entries in target_warm that a surface needs; a cloud may grow to its capacity. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
@@ -161,6 +162,7 @@ SMR_SELDOM static smr_status set_target(smr *s, uint32_t structure, const smr_su
     const int mesh = surface == NULL || !smr_is_cloud(surface); /* a mesh needs no slots without attraction */
     if (n_slots == 0u ? !mesh : slots_with(g, structure, surface) > n_slots)
         return SMR_E_ARENA;
+    smr_forces_settle(s);
     const uint32_t first = structure == SMR_ALL ? 0u : structure,
                    last = structure == SMR_ALL ? n_structures : first + 1u;
     g->clouds = clouds != NULL ? clouds : g->clouds;
@@ -227,6 +229,7 @@ SMR_SELDOM smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *s
         return SMR_E_INPUT;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_FIXED_SURFACE, index, surface);
+    smr_forces_settle(s);
     smr_contact_fix(c, index, surface);
     smr_restart_forces(s, SMR_CHANGED);
     smr_changed(s, SMR_LOG_FIXED_SURFACE, index, surface, 0);
@@ -254,6 +257,8 @@ SMR_SELDOM smr_status smr_set_volume(smr *s, const smr_volume *volume)
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
     s->schedule.n_set++;
+    for (uint32_t i = 0; i < smr_plastic_tasks(s); i++)
+        smr_plastic_follow(s, i, 0);
     if (follows)
         smr_restart_forces(s, SMR_CHANGED_IMAGE);
     else

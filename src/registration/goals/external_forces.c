@@ -19,6 +19,7 @@ void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     f->residual = smr_slot_floats(a, f->residual, n, 2.0f * SMR_KEPT_MM);
     f->found = smr_slot_scratch(a, f->found, n, 1);
     f->found_last = smr_slot_bytes(a, f->found_last, n, SMR_FOUND_UNDECIDED);
+    f->n_kept = shared->n;
     smr_keep_floats(a, &f->matched, 1, -1.0f, 1.0f);
     smr_keep_words(a, &f->unmeasured, 1, 1);
     smr_sources_layout(a, f, shared);
@@ -30,6 +31,7 @@ void smr_forces_reset(smr_forces *f, uint32_t part, uint32_t parts)
     memset(f->residual + p.first, 0, (p.last - p.first) * sizeof *f->residual);
     memset(f->found + p.first, SMR_FOUND_NO_TARGET, p.last - p.first);
     memset(f->found_last + p.first, SMR_FOUND_NO_TARGET, p.last - p.first);
+    f->n_kept = f->shared->n;
     f->unmeasured = 1;
     f->matched = -1.0f;
     smr_sources_reset(f, part, parts);
@@ -218,7 +220,7 @@ static float share_in_last(const smr_forces *f, uint32_t structure)
     const smr_shape_structure *one = &f->shape->structure[structure];
     uint32_t n_forces = 0, n_rejected = 0;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
-        const uint8_t found = f->found_last[smr_model_position(f->shared->model, one->first_vertex + i)];
+        const uint8_t found = smr_found(f, smr_model_position(f->shared->model, one->first_vertex + i));
         n_forces += found == SMR_FOUND_GOAL;
         n_rejected += found >= SMR_FOUND_NONE;
     }
@@ -307,6 +309,6 @@ SMR_SELDOM void smr_forces_end(smr_forces *f)
     f->totals = all;
     f->surface.limit_next = smr_reject_limit(&f->shared->config, all.n_forces, all.goal_mean, goal_sum2 / n);
     note_matched(f);
-    memcpy(f->found_last, f->found, f->shared->n); /* only now, since a new target could have restarted the forces */
     smr_sources_commit(f);
+    f->n_kept = 0;
 }

@@ -36,7 +36,8 @@ typedef struct smr_forces {
     float *force;        /* [n][3] force, mm; during the search: displacement to the goal, mm */
     float *residual;     /* [n] distance of a vertex to its target mesh, or to its goal, mm; -1: half visible or less */
     uint8_t *found;      /* [n] SMR_FOUND_...: result of each vertex' search in the current forces */
-    uint8_t *found_last; /* [n] SMR_FOUND_...: result of each vertex' search in the last complete forces */
+    uint8_t *found_last; /* [n] SMR_FOUND_...: result of each vertex' search in the last complete forces, ... */
+    uint32_t n_kept;     /* ... of the first vertices; of others found[] has it while results are stored */
     smr_force_totals totals;
     float matched;       /* share of searched vertices that have a goal; -1: no vertex was searched */
     uint32_t unmeasured; /* 1: no forces were completed since a target, the image or positions were set */
@@ -56,7 +57,7 @@ float smr_forces_ease(const smr_forces *f, uint32_t v);
 /* Steps: displacements to goals; contacts, and the displacements that end penetration; forces from displacements. */
 smr_count_tasks smr_forces_tasks, smr_contact_tasks, smr_forces_take_tasks;
 smr_run_task smr_forces_search, smr_contact_search, smr_forces_take;
-void smr_forces_end(smr_forces *f); /* sums up the forces; stores the results that the next forces start from */
+void smr_forces_end(smr_forces *f); /* sums up the forces */
 
 /* Returns the momentum, mm, a share of the last displacement (Polyak 1964), until evolve overwrites x_next. */
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
@@ -81,7 +82,17 @@ static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 smr_status smr_inputs_valid(const smr_forces *f);
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_sources_reset(smr_forces *f, uint32_t part, uint32_t parts);
-void smr_sources_commit(smr_forces *f);           /* stores the results of all sources of goals for the next forces */
+void smr_sources_commit(smr_forces *f); /* stores what complete forces found of all sources of goals */
+/* Step after complete forces: stores the results of vertices and landmarks for the next forces. New targets must not
+ * come between its tasks: smr_forces_settle() completes them first. Tasks run one after the other. */
+smr_count_tasks smr_sources_keep_tasks;
+smr_run_task smr_sources_keep;
+/* Return the result of the last complete forces, SMR_FOUND_..., and visibility by them, 0..SMR_VISIBLE_ONE. */
+static inline uint8_t smr_found(const smr_forces *f, uint32_t v)
+{
+    return (v < f->n_kept ? f->found_last : f->found)[v];
+}
+uint8_t smr_visibility_found(const smr_forces *f, uint32_t v);
 void smr_sources_drop(smr_forces *f, uint32_t v); /* sets the target's pulls on v to 0 */
 
 /* Finds v's displacement to its goal, mm, the weighted mean of all sources. *residual: distance to the closest point

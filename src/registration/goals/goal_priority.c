@@ -40,9 +40,9 @@ void smr_sources_reset(smr_forces *f, uint32_t part, uint32_t parts)
 }
 
 /* Stores the visibility of each active vertex, which the field of landmarks reads. */
-static void note_visible(smr_forces *f)
+static void note_visible(smr_forces *f, smr_piece p)
 {
-    for (uint32_t v = 0; v < f->schedule->n_active; v++) {
+    for (uint32_t v = p.first; v < smr_min_u32(p.last, f->schedule->n_active); v++) {
         const uint32_t owner = smr_model_owner(f->shared->model, v);
         const smr_target *target = &f->surface.target[owner];
         const uint8_t found = f->found_last[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
@@ -57,19 +57,47 @@ static void note_visible(smr_forces *f)
 
 void smr_sources_commit(smr_forces *f)
 {
-    if (smr_image_on(&f->image))
-        smr_image_goals_commit(&f->image);
     if (f->caller.calls != NULL)
         f->caller.calls->stand(&f->caller);
     smr_surface_goals_commit(&f->surface);
     if (smr_visibility_on(&f->surface))
         smr_visibility_commit(&f->surface);
-    if (smr_landmarks_on(&f->landmarks)) {
-        smr_landmark_goals_commit(&f->landmarks);
-        note_visible(f);
+}
+
+uint32_t smr_sources_keep_tasks(const void *arg)
+{
+    const smr_forces *f = arg;
+    return f->shared->n_tasks + (smr_landmarks_on(&f->landmarks) ? f->landmarks.n : 0u);
+}
+
+void smr_sources_keep(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+{
+    smr_forces *f = arg;
+    smr_surface_goals *g = &f->surface;
+    if (task >= f->shared->n_tasks) {
+        smr_landmark_keep(&f->landmarks, task - f->shared->n_tasks);
+        return;
     }
+    const smr_piece p = {task * SMR_CHUNK, smr_chunk_end(f->shared, task)};
+    const uint32_t last = smr_min_u32(p.last, f->schedule->n_active), n = last > p.first ? last - p.first : 0u;
+    memcpy(f->found_last + p.first, f->found + p.first, p.last - p.first);
+    memcpy(g->warm + p.first, g->warm_next + p.first, n * sizeof *g->warm);
+    if (smr_image_on(&f->image))
+        smr_image_keep_found(&f->image, p);
+    if (smr_visibility_on(g) && smr_visibility_tasks(g) > 0u)
+        memcpy(g->visibility + p.first, g->visibility_next + p.first, n);
+    if (smr_landmarks_on(&f->landmarks))
+        note_visible(f, p);
     if (smr_contact_used(&f->contact))
-        smr_contact_commit(&f->contact);
+        smr_contact_keep(&f->contact, p);
+    f->n_kept = p.last;
+}
+
+uint8_t smr_visibility_found(const smr_forces *f, uint32_t v)
+{
+    const smr_surface_goals *g = &f->surface;
+    const int kept = v < f->n_kept || v >= f->schedule->n_active || !SMR_HAS_PARTIAL || smr_visibility_tasks(g) == 0u;
+    return (kept ? g->visibility : g->visibility_next)[v];
 }
 
 void smr_sources_drop(smr_forces *f, uint32_t v)

@@ -30,7 +30,7 @@ typedef struct smr_worker {
     } task;
 } smr_worker;
 
-#define SMR_WORK_MOST 80000u /* least work between two readings of the clock: about a millisecond of a Cortex-M7 */
+#define SMR_WORK_MOST 76000u /* least work between two readings of the clock: about a millisecond of a Cortex-M7 */
 
 /* Takes all tasks from a worker. */
 static inline void smr_worker_start(smr_worker *w)

@@ -147,7 +147,6 @@ void smr_surface_goals_commit(smr_surface_goals *g)
         g->target[i].noise = smr_noise_of(&g->target[i], smr_le_float(g->shared->model->edge_mm));
     if (smr_attraction_on(g))
         smr_outliers_commit(g);
-    memcpy(g->warm, g->warm_next, g->schedule->n_active * sizeof *g->warm);
 }
 
 smr_status smr_targets_valid(const smr_surface_goals *g)

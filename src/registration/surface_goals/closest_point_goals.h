@@ -137,7 +137,7 @@ typedef struct smr_surface_goals {
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
 /* discards the results of the searches so far, in part k of `parts`; part 0 also what structures have */
 void smr_surface_goals_reset(smr_surface_goals *g, uint32_t k, uint32_t parts);
-void smr_surface_goals_commit(smr_surface_goals *g); /* stores the results of complete forces for the next forces */
+void smr_surface_goals_commit(smr_surface_goals *g); /* stores what complete forces found of each target */
 void smr_pulls_clear(smr_surface_goals *g);          /* sets all pulls of target vertices to 0 */
 void smr_certainties_clear(smr_surface_goals *g);    /* discards what searches know of other triangles */
 /* Adds an iteration's largest displacements to each structure's `path`. most2: [n_workers][n_structures] squares, which

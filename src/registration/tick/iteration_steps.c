@@ -123,8 +123,6 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
     s->report.details.radius = s->schedule.radius; /* the next iteration may have another radius */
     s->report.details.radius_iteration = s->schedule.repairing > 0u ? 0u : s->schedule.radius_iteration;
     smr_schedule_next(s);
-    if (s->schedule.since_plastic == 0u)
-        smr_plastic_normals(shape);
 }
 
 SMR_SELDOM void smr_abandon_iteration(smr *s)
@@ -170,6 +168,8 @@ void smr_iteration_reset(smr *s, uint32_t part, uint32_t parts)
 const smr_step smr_steps[] = { /* a step with the member `magic`, which is the first, gets the whole registration */
     /* dynamics: start positions of the sweep */
     SMR_STEP(DYNAMICS, FORCES, TASKS, 30, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
+    /* x^r = x where the iteration before ended with plasticity */
+    SMR_SERIAL_STEP(PLAIN, FORCES, TASKS, 5, magic, smr_plastic_tasks, smr_plastic_follow, NULL),
     /* compute external forces f^e: steps of the sources of goals, then the search for the goals of vertices */
     SMR_STEP(CALLER, FORCES, TASKS, 30, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
@@ -185,6 +185,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_STEP(CONTACT, FORCES, ACTIVE, 0, forces, smr_contact_tasks, smr_contact_search, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 40, forces.surface, smr_visibility_tasks, smr_visibility_count, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 15, forces, smr_sources_keep_tasks, smr_sources_keep, NULL),
     /* rest pose; where x^r or the active vertices are new: centres, masses and spreads of the clusters */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 15, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
     SMR_STEP(REFERENCE, SUMS, TASKS, 8, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
@@ -242,6 +243,17 @@ int smr_forces_pending(const smr *s)
         if (smr_steps[i].run == smr_forces_take)
             return 1;
     return 0;
+}
+
+void smr_forces_settle(smr *s)
+{
+    if (smr_steps[s->step].run != smr_sources_keep)
+        return;
+    while (s->next_task < smr_sources_keep_tasks(&s->forces))
+        smr_sources_keep(&s->forces, s->next_task++, 0);
+    s->step++;
+    s->next_task = s->n_shares = s->n_dealt = 0;
+    smr_guard_close(s);
 }
 
 int smr_seeks_forces(const smr_step *step) { return step->run == smr_forces_search; }

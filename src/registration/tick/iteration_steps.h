@@ -64,6 +64,7 @@ smr_status smr_tick_until(smr *s, smr_run_task *run);
 smr_run_task smr_refit_again;                /* step: updates triangles after fold steps */
 smr_run_task smr_commit;                     /* last step: makes new positions current */
 int smr_forces_pending(const smr *s);        /* 1: the forces of the current iteration are not yet complete */
+void smr_forces_settle(smr *s);              /* completes smr_sources_keep() where it is next, for a new input */
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 

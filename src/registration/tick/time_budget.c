@@ -24,6 +24,7 @@
 #define SMR_PART 0.3f             /* time of cluster sums / time of searches with as much work */
 #define SMR_PACE_FAST 0.05f  /* ns an instruction of work below which a processor works longer than SMR_WORK_MOST */
 #define SMR_WORK_LONG 4.0e6f /* most work between two readings of the clock, instructions */
+#define SMR_COPY_COST 5000u  /* instructions of a task below which a step of unknown cost counts as free: a copy */
 #define SMR_LOOK 16u         /* fewest vertices between two checks of the reserve */
 #define SMR_CLOSING 3u       /* vertices may be left out only in the first 1 / SMR_CLOSING of the last radius */
 
@@ -123,7 +124,7 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
         float rate = c->rate[i];
         if ((n_tasks == 0u && step->work != SMR_WORK_FOLDS) || !(units > 0.0f))
             continue;
-        if (step->work == SMR_WORK_FOLDS)
+        if (step->work == SMR_WORK_FOLDS || (step->cost > 0u && step->cost <= SMR_COPY_COST))
             rate = smr_max(rate, 0.0f);
         if (rate < 0.0f && step->work != SMR_WORK_LISTS)
             rate = step->work == SMR_WORK_ACTIVE ? unknown / (float)SMR_CHUNK : unknown;

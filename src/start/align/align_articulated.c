@@ -4,7 +4,7 @@
  * the motion of the patch before; in the rounds of each step all patches follow closest points and each other. A patch
  * follows a point only where the target faces as the patch does, where a neighbour has found the target, and where no
  * patch elsewhere on the model lies nearer: limbs side by side stay apart, and what the target lacks is carried along.
- * While patches join, those rest around which nothing moves, but for each eighth step.
+ * While patches join, those rest around which nothing moves, except in each eighth step.
  * The result is taken when it explains both surfaces much better than the start pose, and most of one of them; where a
  * surface lacks a part of the other, when it explains that surface nearly whole. Rigid bodies then follow the target.
  * Bounds: rounds * steps searches from each patch, a step is a ring of patches around the seed; then one in each round.
