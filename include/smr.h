@@ -377,15 +377,15 @@ smr_status smr_verdict_begin(smr *s, uint32_t structure, smr_verdict *verdict, s
 smr_status smr_expected_begin(smr *s, uint32_t structure, float *mm, float *across_mm, float *along_mm, smr_job *job);
 smr_status smr_local_volume_begin(smr *s, uint32_t structure, float radius_mm, float *ratio, smr_job *job);
 
-/* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex; 0: the vertex
- * follows other vertices. smr_get_normals() writes xyz[n_vertices][3], in the caller's order: unit normals, or 0 where
- * no triangle has an area. Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
+/* smr_get_visible() writes visible[n_vertices], in the caller's order. 1: the target shows the vertex, by the last
+ * complete forces; 0: it follows other vertices. smr_get_normals() writes xyz[n_vertices][3], in the caller's order:
+ * unit normals, or 0 where no triangle has an area. Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visible);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
     uint32_t has_target; /* 1: has a surface, image, own landmark or caller's goals; 0: carried by neighbours */
-    uint32_t n_forces;   /* number of the structure's vertices with an external force */
+    uint32_t n_forces;   /* number of the structure's vertices with an external force, in the last complete forces */
     uint32_t n_rejected;
     float matched_share;                     /* share of searched vertices that have a goal; -1: no search */
     float residual_mean_mm, residual_max_mm; /* mm. Mean and largest residual; -1: not measured */
@@ -744,7 +744,7 @@ typedef struct smr_landmark {
 /* Replaces all landmarks by copies of n landmarks; n 0 removes all. Where no target shows the model, the model follows
  * a smooth displacement field through the landmarks. Where a target shows the model, landmarks decide along the
  * surface, and a hard landmark is always reached. New places of unchanged points cost next to nothing; a new point at
- * rest costs a pass over all triangles.
+ * rest costs a pass over all triangles. Forces under way are treated as by smr_set_surface().
  * Errors: E_NULL, E_STATE (not a registration), E_ARENA (more than config.partial.n_landmarks), E_INPUT (no such
  * structure or vertex, a structure without vertices, a field outside its range). */
 smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
