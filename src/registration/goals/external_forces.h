@@ -92,7 +92,11 @@ static inline uint8_t smr_found(const smr_forces *f, uint32_t v)
 {
     return (v < f->n_kept ? f->found_last : f->found)[v];
 }
-uint8_t smr_visibility_found(const smr_forces *f, uint32_t v);
+uint8_t smr_visibility_not_kept(const smr_forces *f, uint32_t v);
+static inline uint8_t smr_visibility_found(const smr_forces *f, uint32_t v)
+{
+    return v < f->n_kept ? f->surface.visibility[v] : smr_visibility_not_kept(f, v);
+}
 void smr_sources_drop(smr_forces *f, uint32_t v); /* sets the target's pulls on v to 0 */
 
 /* Finds v's displacement to its goal, mm, the weighted mean of all sources. *residual: distance to the closest point

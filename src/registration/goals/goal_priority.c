@@ -93,11 +93,11 @@ void smr_sources_keep(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     f->n_kept = p.last;
 }
 
-uint8_t smr_visibility_found(const smr_forces *f, uint32_t v)
+uint8_t smr_visibility_not_kept(const smr_forces *f, uint32_t v)
 {
     const smr_surface_goals *g = &f->surface;
-    const int kept = v < f->n_kept || v >= f->schedule->n_active || !SMR_HAS_PARTIAL || smr_visibility_tasks(g) == 0u;
-    return (kept ? g->visibility : g->visibility_next)[v];
+    const int old = v >= f->schedule->n_active || !SMR_HAS_PARTIAL || smr_visibility_tasks(g) == 0u;
+    return (old ? g->visibility : g->visibility_next)[v];
 }
 
 void smr_sources_drop(smr_forces *f, uint32_t v)
