@@ -189,7 +189,7 @@ TEST(test_looks_at_the_time)
 TEST(test_nothing_is_left_out_at_the_end)
 {
     set_up();
-    const uint64_t budget = full_time(STEP_NS) * 7u / 8u;
+    const uint64_t budget = full_time(STEP_NS) * 3u / 4u;
     rig_clock clock;
     smr *s = start(&clock, STEP_NS);
     smr_tick_report r = {0};

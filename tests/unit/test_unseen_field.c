@@ -199,7 +199,7 @@ TEST(bounds)
     assert_int_equal(w.field.n, SMR_CONTROLS);
     for (uint32_t k = 0; k < SMR_CONTROLS; k++)
         assert_true(fabsf(w.field.start[3u * k + 2u] - (float)(k * N) / (float)SMR_CONTROLS) <= 1.0f);
-    const uint32_t n_tasks = 20u + 4u * SMR_FIELD_ROWS / 4u + SMR_FIELD_TRIES * SMR_TRY_TASKS + SMR_FIELD_ROWS + 1u;
+    const uint32_t n_tasks = 20u + 4u * (SMR_FIELD_ROWS / 4u) + SMR_FIELD_TRIES * SMR_TRY_TASKS + SMR_FIELD_ROWS + 1u;
     assert_int_equal(smr_occluded_field_tasks(&w.field), n_tasks);
     w.goals.partial = 0;
     assert_int_equal(smr_occluded_field_tasks(&w.field), 0);

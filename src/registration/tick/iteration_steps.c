@@ -185,6 +185,7 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_STEP(CONTACT, FORCES, ACTIVE, 0, forces, smr_contact_tasks, smr_contact_search, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, 40, forces.surface, smr_visibility_tasks, smr_visibility_count, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, 0, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
+    /* results of the forces, from which the next ones start */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 15, forces, smr_sources_keep_tasks, smr_sources_keep, NULL),
     /* rest pose; where x^r or the active vertices are new: centres, masses and spreads of the clusters */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, 15, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
