@@ -226,22 +226,21 @@ static smr_status discard(smr_plan *p, float radius)
     return SMR_OK;
 }
 
-/* Closes the gaps in S, and computes active_min of each radius. listed[r]: length of S after radius r, with gaps. */
-static void settle(smr_plan *p, uint32_t n_radii, const uint32_t listed[SMR_RADII_MAX])
+/* Closes the gaps in S, so that the list never holds more than all vertices. listed[r]: length of S after radius r. */
+static void close_gaps(smr_plan *p, uint32_t listed[SMR_RADII_MAX])
 {
-    uint32_t kept = 0;
-    for (uint32_t r = 0; r < n_radii; r++)
-        p->active_min[r] = p->n;
+    uint32_t kept = 0, before[SMR_RADII_MAX] = {0};
     for (uint32_t i = 0; i < p->priority.n_listed; i++) {
-        if (p->priority.list[i] == SMR_REMAINS)
+        const uint32_t v = p->priority.list[i];
+        if (v == SMR_REMAINS)
             continue;
-        for (uint32_t r = 0; r < n_radii; r++)
-            p->active_min[r] -= i < listed[r];
-        p->priority.list[kept++] = p->priority.list[i];
+        for (uint32_t r = 0; r < SMR_RADII_MAX; r++)
+            before[r] += i < listed[r];
+        p->priority.place[v] = kept;
+        p->priority.list[kept++] = v;
     }
+    memcpy(listed, before, sizeof before);
     p->priority.n_listed = kept;
-    for (uint32_t i = 0; i < kept; i++)
-        p->priority.place[p->priority.list[i]] = i;
 }
 
 smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below, int empty)
@@ -260,10 +259,12 @@ smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii,
         p->separate = radius[finest] < separate_below;
         SMR_TRY(count_remaining(p, radius[finest]));
         SMR_TRY(restore(p, radius[finest]));
+        close_gaps(p, listed);
         SMR_TRY(discard(p, radius[finest]));
         listed[finest] = p->priority.n_listed;
     }
-    settle(p, n_radii, listed);
+    for (uint32_t r = 0; r < n_radii; r++)
+        p->active_min[r] = p->n - listed[r];
     return SMR_OK;
 }
 

@@ -16,12 +16,14 @@ typedef struct world {
     smr_prepare_config config;
     uint32_t n;
     unsigned char *member[SMR_RADII_MAX];
+    uint32_t n_structures;
 } world;
 
 static world make(oracle_random *r, uint32_t round)
 {
     world w;
     memset(&w, 0, sizeof w);
+    w.n_structures = 2;
     w.mesh[0] = round % 3u == 0u ? unit_sphere(1u + round % 2u, 20.0f, 25.0f)
                                  : unit_points(r, 1u + oracle_below(r, 120u), 0.0f, 60.0f);
     w.mesh[1] =
@@ -142,9 +144,9 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
     smr_plan p;
     smr_arena a;
     size_t bytes;
-    assert_int_equal(smr_prepare_bytes(w->structure, 2, &w->config, &bytes), SMR_OK);
+    assert_int_equal(smr_prepare_bytes(w->structure, w->n_structures, &w->config, &bytes), SMR_OK);
     void *scratch = rig_rough(bytes);
-    assert_int_equal(smr_plan_start(&p, w->structure, 2, &w->config), SMR_OK);
+    assert_int_equal(smr_plan_start(&p, w->structure, w->n_structures, &w->config), SMR_OK);
     assert_int_equal(smr_arena_start(&a, scratch, bytes), SMR_OK);
     smr_plan_layout(&a, &p);
     memset(p.row, 0, p.n_rows * (p.words + 1u) * sizeof *p.row);
@@ -217,7 +219,7 @@ TEST(follows_the_rule)
     uint32_t restored = 0, more = 0;
     for (uint32_t round = 0; round < 400u; round++) {
         world w = make(&r, round);
-        unit_image image = unit_prepare(w.structure, 2, &w.config);
+        unit_image image = unit_prepare(w.structure, w.n_structures, &w.config);
         find_members(&w, image.model);
         uint32_t *list = rig_rough(4u * (size_t)w.n * SMR_RADII_MAX), need[SMR_RADII_MAX];
         const uint32_t listed = plain_list(&w, list, need, &restored);
@@ -230,6 +232,42 @@ TEST(follows_the_rule)
         unmake(&w);
     }
     assert_true(more > 0u && restored > 0u);
+}
+
+/* Vertices close together and few far off, with radii by default: the coarser radii take so many vertices off the list
+ * again that the list with its gaps would be longer than the model. */
+TEST(list_without_gaps)
+{
+    static const int16_t at[32][3] = {/* in 1/64 mm */
+                                      {0, 0, 0},     {-1, -1, -1},    {0, -256, -1},   {-1, -1, -1},     {-1, -1, -37},
+                                      {-1, -1, 255}, {0, 8, 0},       {-1, 24832, -1}, {255, 0, 0},      {0, 256, 0},
+                                      {0, 0, -256},  {-1, -1, 255},   {0, -1, -1},     {-1, 12287, -1},  {-37, -1, -1},
+                                      {-1, -1, 0},   {2048, 0, -256}, {-1, -1, -1},    {-1, -1025, 255}, {0, 0, -1},
+                                      {-1, 0, 0},    {-1, -1, -210},  {255, 0, 2816},  {-1, 0, 0},       {0, -1, -1},
+                                      {-1, -1, -1},  {255, 0, 0},     {-1, -1, 0},     {0, -1, -1},      {-210, 255, 0},
+                                      {-256, -1, 0}, {0, 0, -1}};
+    world w = {.config = smr_prepare_config_default(), .n_structures = 1};
+    smr_model_info info;
+    uint32_t *list, need[SMR_RADII_MAX], restored = 0;
+    w.mesh[0] = unit_mesh_new(32, 31);
+    memset(w.mesh[0].triangles, 0, 93u * sizeof(uint32_t));
+    memcpy(w.mesh[0].triangles, (const uint32_t[]){31, 27, 31, 31, 31, 31, 0, 31, 6, 1}, 10u * sizeof(uint32_t));
+    w.mesh[1] = unit_mesh_new(1, 0);
+    for (uint32_t i = 0; i < 96u; i++)
+        w.mesh[0].xyz[i] = (float)at[i / 3u][i % 3u] / 64.0f;
+    w.structure[0] = (smr_structure){"", unit_view(&w.mesh[0])};
+    unit_image image = unit_prepare(w.structure, w.n_structures, &w.config);
+    assert_int_equal(SMR_OK, smr_model_get_info(image.model, &info));
+    w.config.n_radii = info.n_radii;
+    memcpy(w.config.radius_mm, info.radius_mm, sizeof info.radius_mm);
+    find_members(&w, image.model);
+    list = rig_rough(4u * (size_t)w.n * SMR_RADII_MAX);
+    const uint32_t listed = plain_list(&w, list, need, &restored);
+    check_list(&w, list, listed, need);
+    assert_true(listed + restored > w.n);
+    rig_free(list);
+    unit_image_free(&image);
+    unmake(&w);
 }
 
 /* Points closer and closer along a line, of whose levels there would be 25. */
