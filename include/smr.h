@@ -1266,9 +1266,9 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 /* Bound of smr_arena_bytes(). n_workers, n_target_vertices (0 with attract 0) and method are those of smr_basic_config.
  * Too large by 6 kB, 1.3 kB for each further structure, and 0.4 %: 2 % at 1,000 vertices, below 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(nv, nt, ns, n_workers, n_target_vertices, method)                                              \
-    ((size_t)8704u + ((method) == SMR_METHOD_RIGID ? (size_t)278u : (size_t)314u) * (nv) +                             \
+    ((size_t)8576u + ((method) == SMR_METHOD_RIGID ? (size_t)278u : (size_t)314u) * (nv) +                             \
      ((nv) < 190u ? (size_t)64u * (190u - (nv)) : (size_t)0u) + (size_t)(12u + SMR_SWAPPED_BYTES) * (nt) +             \
-     (size_t)(nt) / 16u + (size_t)344u * (ns) + (size_t)2192u * (n_workers) +                                          \
+     (size_t)(nt) / 16u * 3u + (size_t)344u * (ns) + (size_t)2192u * (n_workers) +                                     \
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)6080u + (size_t)40u * (ns) + (size_t)10u * (n_target_vertices) +             \
                                       (size_t)32u * (n_workers) * (nv) + SMR_TREE_BYTES(nt, ns)))

@@ -52,7 +52,7 @@ void smr_plan_dihedrals(smr_plan *p)
         }
         smr_curve_sort(p->key, p->item, p->tmp, n);
     }
-    p->n_dihedrals = 0;
+    memset(p->key, 255, n * sizeof *p->key); /* key: the other triangle's corner behind the edge, at the first one's */
     for (uint32_t i = 0, next; i < n; i = next) {
         uint32_t low2 = 0, high2 = 0;
         edge_of(p, p->item[i], &low, &high);
@@ -62,6 +62,10 @@ void smr_plan_dihedrals(smr_plan *p)
                 break;
         }
         if (next - i == 2u && low != high && p->item[i] / 3u != p->item[i + 1u] / 3u)
-            add_dihedral(p, p->item[i] / 3u, p->item[i + 1u] / 3u);
+            p->key[p->item[i]] = p->item[i + 1u];
     }
+    p->n_dihedrals = 0;
+    for (uint32_t i = 0; i < n; i++)
+        if (p->key[i] != UINT32_MAX)
+            add_dihedral(p, i / 3u, p->key[i] / 3u);
 }

@@ -35,6 +35,15 @@ static smr *start(const smr_mesh *mesh, uint32_t guard)
     return rig_init(rig_model(mesh, 1, &radii), &c, NULL);
 }
 
+static void refit(smr *s)
+{
+    smr_triangles_follow(&s->shape, s->shape.x_next);
+    for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
+        smr_triangles_refit(&s->shape, task, 0);
+}
+
+static void clear_touched(smr_folds *f) { memset(f->touched, 0, (f->shared->n_triangles + 63u) / 64u * 8u); }
+
 /* The sheet with its farther part bent down about the line y = CREASE, as far as the cosine says. */
 #define CREASE 25.0f
 
@@ -227,28 +236,26 @@ TEST(test_unfolds_in_passes)
 }
 
 /* A fold that a step of folds has made is opened: the update of the triangles before does not show it. The step has
- * touched the runs of its triangles, or has held the step, or folds were found there before. */
+ * touched its triangles, or folds were found there before. */
 TEST(test_opens_what_moved)
 {
     const smr_mesh mesh = sheet();
-    for (uint32_t found = 0; found < 3u; found++) {
+    for (uint32_t found = 0; found < 2u; found++) {
         smr *s = start(&mesh, 1);
         smr_folds *f = &s->folds;
         const uint32_t v = smr_model_position(s->shared.model, SIDE + SIDE / 2u);
         s->schedule.repairing = 0;
         memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
-        smr_triangles_follow(&s->shape, s->shape.x_next);
-        for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
-            smr_triangles_refit(&s->shape, task, 0);
-        f->tally[0].folds.open = found == 2u ? ~0u : 0u;
-        f->limit.held = found == 1u;
-        smr_runs_clear(f);
+        refit(s);
+        f->tally[0].folds.open = found == 1u ? ~0u : 0u;
+        clear_touched(f);
+        f->folding[0] = found == 0u;
         memset(f->marked, 0, s->shared.n);
         s->shape.x_next[3u * v] += 14.0f;
         f->marked[v] = 1;
         for (uint32_t k = 0; found == 0u && k < s->shared.n_triangles; k++)
             if (smr_any_marked(f, k))
-                smr_run_touch(f, k);
+                smr_triangle_touch(f, k);
         smr_fold_open_start(f);
         for (uint32_t task = 0; task < smr_fold_open_tasks(f); task++)
             smr_fold_open_pass(f, task, 0);
@@ -256,42 +263,19 @@ TEST(test_opens_what_moved)
     }
 }
 
-/* On a mesh of so many triangles that runs have several, touched runs lead to every edge with a marked corner. */
-TEST(test_touched_runs_of_a_large_mesh)
-{
-    const smr_mesh mesh = rig_ball(30, 40, 60, (const float[3]){0, 0, 0});
-    uint32_t n_found = 0;
-    smr *s = start(&mesh, 1);
-    smr_folds *f = &s->folds;
-    smr_runs_clear(f);
-    assert_true(f->run_bits > 0u);
-    for (uint32_t i = 0, seed = 5; i < 10u; i++)
-        f->marked[rig_random(&seed, s->shared.n)] = 1;
-    for (uint32_t k = 0; k < s->shared.n_triangles; k++)
-        if (smr_any_marked(f, k))
-            smr_run_touch(f, k);
-    for (uint32_t i = 0, n = s->shared.n_dihedrals; i < n; i++, n_found++) {
-        const uint32_t found = smr_next_marked(f, i, n, 0);
-        assert_int_equal(smr_next_marked(f, i, n, 1), found);
-        i = found;
-    }
-    assert_true(n_found > 90u);
-}
-
-/* Edges that are open at rest and folded, where none is to be limited: runs, unknown before, are cleared first. */
+/* Edges that are open at rest and folded, where none is to be limited: what was touched before is forgotten first. */
 TEST(test_opens_without_limit)
 {
     const smr_mesh mesh = sheet();
     smr *s = start(&mesh, 1);
     smr_folds *f = &s->folds;
     s->schedule.repairing = 0;
-    f->run_bits = 31u;
-    memset(f->touched, 255, sizeof f->touched);
+    f->touched[0] = ~(uint64_t)0;
     memset(&f->tally[0].folds, 0, sizeof f->tally[0].folds);
     f->tally[0].folds.open = 1;
     smr_fold_find_end(f);
     assert_int_equal(0, f->limit.pass.stage);
-    assert_true(f->open.pass.stage != 0u && f->run_bits < 31u && f->touched[0] == 0u);
+    assert_true(f->open.pass.stage != 0u && f->touched[0] == 0u);
 }
 
 /* Finds folds at x_next and limits them. all 1: no task skips its edges. Returns how often edges were skipped. */
@@ -299,9 +283,7 @@ static uint32_t limit(smr *s, int all)
 {
     smr_folds *f = &s->folds;
     uint32_t n_quiet = 0;
-    smr_triangles_follow(&s->shape, s->shape.x_next);
-    for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
-        smr_triangles_refit(&s->shape, task, 0);
+    refit(s);
     for (uint32_t task = 0; task < smr_fold_find_tasks(f); task++)
         smr_fold_find(f, task, 0);
     smr_fold_find_end(f);
@@ -342,44 +324,12 @@ TEST(test_limit_skips)
         smr *s[2] = {pleated(&mesh, seed % 2u, mm), pleated(&mesh, seed % 2u, mm)};
         for (uint32_t i = 0; i < 2u; i++)
             n_quiet += limit(s[i], i == 1u);
-        n_moved += s[0]->folds.limit.n_marked;
-        assert_int_equal(s[0]->folds.limit.n_marked, s[1]->folds.limit.n_marked);
+        for (uint32_t v = 0; v < s[0]->shared.n; v++)
+            n_moved += s[0]->folds.marked[v];
+        assert_memory_equal(s[0]->folds.marked, s[1]->folds.marked, s[0]->shared.n);
         assert_memory_equal(s[0]->shape.x_next, s[1]->shape.x_next, 3u * SIDE * SIDE * sizeof(float));
     }
     assert_true(n_quiet > 100u && n_moved > 100u);
-}
-
-/* The items of a pass, each once: all dihedral edges, the triangles or vertices of the pass' structure, or a list. */
-static uint32_t n_seen, seen[64];
-
-static void see(smr_folds *f, uint32_t from, uint32_t to)
-{
-    (void)f;
-    for (uint32_t i = from; i < to; i++, n_seen++)
-        seen[i % 64u]++;
-}
-
-TEST(test_passes)
-{
-    smr_shape_structure structure[2] = {
-        {.first_triangle = 0, .tree.n_triangles = 13, .n_vertices = 9},
-        {.first_triangle = 13, .tree.n_triangles = 11, .first_vertex = 9, .n_vertices = 7}};
-    const smr_shared shared = {.n_dihedrals = 50, .n = 16};
-    const smr_shape shape = {.structure = structure};
-    smr_folds f = {.shared = &shared, .shape = &shape, .limit.n_listed = 5};
-    static const uint32_t first[] = {0, 13, 9, 0}, n[] = {50, 11, 7, 5};
-    for (uint32_t over = 0; over < 4u; over++) {
-        const smr_fold_stage stage = {over, 3, see};
-        smr_fold_pass pass = {.structure = 1};
-        n_seen = 0;
-        memset(seen, 0, sizeof seen);
-        while (!smr_fold_run(&f, &pass, &stage)) {
-        }
-        assert_int_equal(n[over], n_seen);
-        assert_int_equal((n[over] + 2u) / 3u, pass.n_done);
-        for (uint32_t i = 0; i < 64u; i++)
-            assert_int_equal(i >= first[over] && i < first[over] + n[over], seen[i]);
-    }
 }
 
 /* Right angles at rest, as of a box, may bend a little further than edges bent by less, and edges bent by more the

@@ -52,13 +52,11 @@ static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_
             corner[3] = b[c];
 }
 
-/* Marks a vertex. Runs of triangles around it, in its structure, must be touched if it had no mark. */
+/* Marks a vertex. If it had no mark, the triangles around it, in its structure, are touched behind this round. */
 static void mark(smr_folds *f, uint32_t v, uint8_t bits)
 {
-    if (f->marked[v] == 0u) {
-        f->limit.n_marked++;
-        f->folding[smr_model_owner(f->shared->model, v)] = 1;
-    }
+    if (f->marked[v] == 0u)
+        f->folding[smr_model_owner(f->shared->model, v)] = f->limit.round + 1u;
     f->marked[v] |= bits;
 }
 
@@ -94,23 +92,6 @@ static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
         mark(f, corner[c], SMR_MARKED);
         smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
-    f->limit.held = 1;
-}
-
-uint32_t smr_next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all)
-{
-    const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const uint32_t bits = f->run_bits, n = f->shared->n_triangles;
-    const uint64_t *const touched = f->touched;
-    for (; from < to; from++) {
-        const uint32_t first = smr_index(smr_le32(dihedral[from].first), n), i = first >> bits;
-        const uint32_t second = smr_index(smr_le32(dihedral[from].bend) & SMR_DIHEDRAL_MASK, n), k = second >> bits;
-        if (!all && !(touched[i / 64u] >> (i % 64u) & 1u) && !(touched[k / 64u] >> (k % 64u) & 1u))
-            continue;
-        if (smr_any_marked(f, first) || smr_any_marked(f, second))
-            break;
-    }
-    return from;
 }
 
 /* Tests an edge with a cosine of `next` at x_next. */
@@ -130,25 +111,28 @@ SMR_SHARED static void test(smr_folds *f, const smr_stored_dihedral *h, float ne
     }
 }
 
-/* Tests dihedral edges from .. to - 1, of one task of fold_find.c, with marked corners in or near touched runs. Skips
- * all of them if none had a marked corner in a round before and no vertex has been marked since that round began. */
+/* Tests dihedral edges from .. to - 1, of one task of fold_find.c, with corners marked before this round. Skips all of
+ * them if the round before found none and marked no vertex of their structures. */
 static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
     smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
     const smr_stored_dihedral *const dihedral = smr_edge_at(f, 0);
-    const smr_fold_limit *l = &f->limit;
-    const uint32_t piece = smr_piece_bit(from);
+    const uint32_t round = f->limit.round, piece = smr_piece_bit(from);
     uint32_t i = from;
-    if (tally->folds.n_marked != l->n_marked)
-        tally->folds.quiet = 0;
-    tally->folds.n_marked = l->n_before;
-    if (l->round == 0u ? (tally->folds.bent & piece) == 0u : (tally->folds.quiet & piece) != 0u)
+    if (round == 0u) {
+        tally->folds.quiet = ~0u;
+        for (; (tally->folds.bent & piece) && i < to; i++)
+            test(f, dihedral + i, smr_refitted_cosine(f, dihedral + i));
         return;
-    for (; l->round == 0u && i < to; i++)
-        test(f, dihedral + i, smr_refitted_cosine(f, dihedral + i));
-    if (i < to && (i = smr_next_marked(f, i, to, l->round > SMR_SOFT_ROUNDS)) == to)
+    }
+    if (tally->folds.round != round && smr_marked_since(f, tally, tally->folds.round))
+        tally->folds.quiet = 0;
+    tally->folds.round = round;
+    if (tally->folds.quiet & piece)
+        return;
+    if ((i = smr_next_touched(f, i, to)) == to)
         tally->folds.quiet |= piece;
-    for (; i < to; i = smr_next_marked(f, i + 1u, to, l->round > SMR_SOFT_ROUNDS))
+    for (; i < to; i = smr_next_touched(f, i + 1u, to))
         test(f, dihedral + i, smr_dihedral_cosine(f, f->shape->x_next, dihedral + i));
 }
 
@@ -156,7 +140,7 @@ static void touch(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++)
         if (smr_any_marked(f, triangle))
-            smr_run_touch(f, triangle);
+            smr_triangle_touch(f, triangle);
 }
 
 /* Moves the listed vertices from .. to - 1 as edges requested. */
@@ -172,27 +156,28 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
     }
 }
 
-/* Begins a round of tests. */
+/* Begins a round of tests; none beyond SMR_LIMIT_ROUNDS. */
 static void begin_round(smr_fold_limit *l, uint32_t round)
 {
-    l->pass.stage = SMR_LIMIT_LOOK;
+    l->pass.stage = round < SMR_LIMIT_ROUNDS ? SMR_LIMIT_LOOK : SMR_LIMIT_IDLE;
     l->round = round;
     l->most = 0.0f;
     l->n_listed = 0;
-    l->n_before = l->n_marked;
 }
 
-/* Touches runs of the next structure with vertices marked in this round, from `structure` on; then moves vertices. */
+/* Touches triangles of the next structure with vertices marked in this round, from `structure` on; then moves vertices
+ * as requested. */
 SMR_SELDOM static void touch_from(smr_folds *f, uint32_t structure)
 {
     smr_fold_limit *l = &f->limit;
-    l->pass.structure = smr_folding_from(f, structure);
+    while (structure < f->shared->n_structures && f->folding[structure] != l->round + 1u)
+        structure++;
     l->pass.stage = SMR_LIMIT_TOUCH;
-    if (l->pass.structure < f->shared->n_structures)
+    l->pass.structure = structure;
+    if (structure < f->shared->n_structures)
         return;
     l->pass.structure = 0;
     l->pass.stage = SMR_LIMIT_MOVE;
-    memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
 }
 
 SMR_SELDOM static void next_pass(smr_folds *f)
@@ -202,15 +187,11 @@ SMR_SELDOM static void next_pass(smr_folds *f)
     if (l->pass.stage == SMR_LIMIT_TOUCH)
         touch_from(f, l->pass.structure + 1u);
     else if (l->pass.stage == SMR_LIMIT_MOVE)
-        begin_round(l, l->most < SMR_ENOUGH ? SMR_SOFT_ROUNDS : l->round + 1u);
-    else if (l->round < SMR_SOFT_ROUNDS && l->most > 0.0f)
+        begin_round(l, l->round < SMR_SOFT_ROUNDS && l->most < SMR_ENOUGH ? SMR_SOFT_ROUNDS : l->round + 1u);
+    else if (l->most > 0.0f)
         touch_from(f, 0);
-    else if (l->round < SMR_SOFT_ROUNDS)
-        begin_round(l, SMR_SOFT_ROUNDS);
-    else if (l->most > 0.0f && l->round + 1u < SMR_LIMIT_ROUNDS)
-        begin_round(l, l->round + 1u);
     else
-        l->pass.stage = SMR_LIMIT_IDLE;
+        begin_round(l, l->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : SMR_LIMIT_ROUNDS);
 }
 
 void smr_fold_limit_start(smr_folds *f)

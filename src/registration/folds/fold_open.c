@@ -8,11 +8,13 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
-#define SMR_OPEN_PASSES 16u    /* largest number of passes over the dihedral edges in an iteration */
-#define SMR_OPEN_CHUNK 32u     /* number of dihedral edges in a task */
-#define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
-#define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, as a share of the shortest edge */
-#define SMR_AREA_FLOOR 1.0e-6f /* mm^2: twice the area of the smallest triangle that has a normal */
+#define SMR_OPEN_PASSES 16u /* largest number of passes over the dihedral edges in an iteration */
+#define SMR_OPENED 64u      /* smr_folds.folding: pass p stores SMR_OPENED + p + 1, above the rounds of fold_limit.c */
+#define SMR_OPEN_CHUNK 32u  /* number of dihedral edges in a task */
+#define SMR_OPEN_COS 0.01f  /* cosine to which folds are opened */
+#define SMR_CORNER_REACH 0.25f    /* largest displacement of a corner in a pass, as a share of the shortest edge */
+#define SMR_SQUARE_FLOOR 1.0e-22f /* per mm^2: largest squared gradient of a cosine that counts as none */
+#define SMR_AREA_FLOOR 1.0e-6f    /* mm^2: twice the area of the smallest triangle that has a normal */
 
 void smr_fold_open_start(smr_folds *f)
 {
@@ -76,7 +78,7 @@ SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b,
         square += smr_dot(gradient[c], gradient[c]);
         largest2 = smr_max(largest2, smr_dot(gradient[c], gradient[c]));
     }
-    if (!(square > 0.0f))
+    if (!(square > SMR_SQUARE_FLOOR))
         return; /* the edge is fully folded: no direction opens it sooner than another */
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
@@ -87,28 +89,33 @@ SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b,
     }
 }
 
-/* Returns the first of the edges from .. to - 1 that may be folded; to: none. Where folds were found, any may. Runs are
- * touched by requests of fold_limit.c alone: after other steps all edges are looked at. */
+/* Returns the first of the edges from .. to - 1 that may be folded; to: none. Where folds were found, any may, and once
+ * a fold was opened: that moves corners of triangles which are not touched. */
 static uint32_t next(const smr_folds *f, int found, uint32_t from, uint32_t to)
 {
-    return found ? from : smr_next_marked(f, from, to, f->limit.held || f->open.n_passes + f->open.n_folds > 0u);
+    return found || f->open.n_passes + f->open.n_folds > 0u ? from : smr_next_touched(f, from, to);
 }
 
 /* Opens folds among edges from .. to - 1: found by fold_find.c, or with a corner that a fold step has moved. */
 static void open_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
-    const int found = (f->tally[from / SMR_DIHEDRAL_CHUNK].folds.open & smr_piece_bit(from)) != 0u;
+    const smr_tally *tally = &f->tally[from / SMR_DIHEDRAL_CHUNK];
+    const int found = (tally->folds.open & smr_piece_bit(from)) != 0u;
+    const uint32_t pass = f->open.n_passes, before = pass > 0u ? SMR_OPENED + pass - 1u : 0u;
+    if (!(found && pass == 0u) && !smr_marked_since(f, tally, before))
+        return; /* since the pass before nothing has moved in these structures */
     for (uint32_t i = next(f, found, from, to); i < to; i = next(f, found, i + 1u, to)) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
         const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
-        if (!smr_edge_open(h) || (found && !smr_any_marked(f, first) && !smr_any_marked(f, second) &&
-                                  !(smr_refitted_cosine(f, h) < SMR_FOLD_COS)))
+        if (!smr_edge_open(h) || (!smr_any_marked(f, first) && !smr_any_marked(f, second) &&
+                                  !(found && smr_refitted_cosine(f, h) < SMR_FOLD_COS)))
             continue;
         const side a = side_of(f, first), b = side_of(f, second);
         const float cosine = smr_dot(a.normal, b.normal);
         if (!(cosine < SMR_FOLD_COS) || !(smr_min(a.area2, b.area2) > SMR_AREA_FLOOR))
             continue;
         open_dihedral(f, &a, &b, cosine);
+        f->folding[smr_model_owner(f->shared->model, a.corner[0])] = SMR_OPENED + pass + 1u;
         f->open.n_folds++;
     }
 }

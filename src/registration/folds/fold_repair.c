@@ -60,13 +60,13 @@ static void clear_ring(smr_folds *f, uint32_t v)
     f->rings.weight[v] = 0.0f;
 }
 
-/* Clears the sums of triangles with marked corners, stores the corners' rest shape, and marks the triangles' runs. */
+/* Clears the sums of triangles with marked corners, stores the corners' rest shape, and touches them. */
 SMR_SELDOM static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++) {
         if (!smr_any_marked(f, triangle))
             continue;
-        smr_run_touch(f, triangle);
+        smr_triangle_touch(f, triangle);
         for (uint32_t c = 0; c < 3u; c++) {
             const uint32_t v = smr_corners(f, triangle)[c];
             clear_ring(f, v);
@@ -98,9 +98,9 @@ static void sum_ring(smr_folds *f, const uint32_t *t)
 SMR_SELDOM static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++)
-        if (!smr_run_touched(f, triangle))
-            triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* the last triangle of the run */
-        else if (smr_any_marked(f, triangle))
+        if (f->touched[triangle / 64u] == 0u)
+            triangle |= 63u;
+        else if (smr_triangle_touched(f, triangle))
             sum_ring(f, smr_corners(f, triangle));
 }
 

@@ -10,7 +10,6 @@
 
 #define SMR_DIHEDRAL_CHUNK 1024u /* number of dihedral edges in a task of fold_find.c */
 #define SMR_EDGE_PIECE 64u       /* number of dihedral edges that a bit of a tally stands for */
-#define SMR_RUNS 2048u           /* largest number of runs of triangles; a run is tested or skipped as a whole */
 #define SMR_FOLD_COS 0.001f /* cosine below which an edge that is open at rest is folded; above 0 because of rounding */
 #define SMR_LIMIT_BELOW 0.31f /* a next cosine above this needs no limit: limiting cosines are 0.02 at most */
 
@@ -34,9 +33,6 @@ typedef struct smr_fold_limit {
     smr_fold_pass pass;
     uint32_t round;    /* number of complete rounds of requests in this iteration */
     uint32_t n_listed; /* number of vertices with requests in this round */
-    uint32_t n_marked; /* number of marked vertices, ... */
-    uint32_t n_before; /* ... and before this round */
-    uint32_t held;     /* 1: steps were shortened; the runs of their corners' triangles are not touched */
     float most;        /* largest share, 0..1, by which an edge asks to even out its corners' steps in this round */
 } smr_fold_limit;
 
@@ -53,16 +49,15 @@ typedef struct smr_folds {
     smr_tangent_smooth *tangent_smooth; /* smoothing, whose `limited` gets the removed share of each step */
     smr_rings rings;
     smr_tally *tally;
-    uint8_t *marked;           /* [n] not 0: a fold step changes the vertex' position in this iteration */
-    uint32_t *folding;         /* [n_structures] 1: the structure has folds; limit: vertices marked in this round */
+    uint8_t *marked;   /* [n] not 0: a fold step changes the vertex' position in this iteration */
+    uint32_t *folding; /* [n_structures] 0: no folds; limit: last round, from 1, that marked vertices; repair: 1 */
     uint32_t n_dihedral_tasks; /* number of tasks of fold_find.c */
     uint32_t n_guarded;        /* number of vertices that fold steps changed in this iteration */
     uint32_t moved;            /* 1: x_next has changed and the triangles must be updated */
     smr_fold_repair repair;
     smr_fold_limit limit;
     smr_fold_open open;
-    uint32_t run_bits;                /* a run is 2^run_bits triangles */
-    uint64_t touched[SMR_RUNS / 64u]; /* a bit for each run; 1: repair or limit marked a corner of the run */
+    uint64_t *touched; /* [n_triangles / 64] a bit for each triangle; 1: repair or a round of limit marked a corner */
 } smr_folds;
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
@@ -132,9 +127,11 @@ static inline float smr_refitted_cosine(const smr_folds *f, const smr_stored_dih
     return smr_dot(smr_get3(normal, smr_edge_first(f, h)), smr_get3(normal, smr_edge_second(f, h)));
 }
 
-/* Returns the first of the edges from .. to - 1 with a marked corner, and only in or near touched runs unless `all` is
- * 1; to: none. */
-uint32_t smr_next_marked(const smr_folds *f, uint32_t from, uint32_t to, int all);
+/* Returns the first of the edges from .. to - 1 with a touched triangle; to: none. */
+uint32_t smr_next_touched(const smr_folds *f, uint32_t from, uint32_t to);
+/* Returns 1 when round `round` of fold_limit.c or a later one marked a vertex in the structures of a chunk of edges;
+ * where the repair came before, when it repaired such a structure. */
+int smr_marked_since(const smr_folds *f, const smr_tally *tally, uint32_t round);
 
 /* Returns the share, 0..1, by which the steps of h's corners must move to their mean if h's next cosine is `next`. */
 float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next);
@@ -148,18 +145,14 @@ static inline int smr_any_marked(const smr_folds *f, uint32_t triangle)
     return f->marked[smr_index(t[0], n)] | f->marked[smr_index(t[1], n)] | f->marked[smr_index(t[2], n)];
 }
 
-void smr_runs_clear(smr_folds *f); /* clears the bits of all runs: no run has a marked corner */
-
-static inline void smr_run_touch(smr_folds *f, uint32_t triangle)
+static inline void smr_triangle_touch(smr_folds *f, uint32_t triangle)
 {
-    const uint32_t run = triangle >> f->run_bits;
-    f->touched[run / 64u] |= (uint64_t)1 << (run % 64u);
+    f->touched[triangle / 64u] |= (uint64_t)1 << (triangle % 64u);
 }
 
-static inline int smr_run_touched(const smr_folds *f, uint32_t triangle)
+static inline uint32_t smr_triangle_touched(const smr_folds *f, uint32_t triangle)
 {
-    const uint32_t run = triangle >> f->run_bits;
-    return (int)(f->touched[run / 64u] >> (run % 64u) & 1u);
+    return (uint32_t)(f->touched[triangle / 64u] >> (triangle % 64u)) & 1u;
 }
 
 #endif

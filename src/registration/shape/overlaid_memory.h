@@ -50,8 +50,9 @@ typedef union smr_tally {
     struct {
         /* a bit for each piece of the dihedral edges: some fold or must be limited; are folded but were open at rest */
         uint32_t bent, open;
-        uint32_t quiet;    /* likewise: no edge had a marked corner, ... */
-        uint32_t n_marked; /* ... when so many vertices were marked */
+        uint32_t quiet;       /* likewise: no edge had a touched triangle in the round of fold_limit.c ... */
+        uint32_t round;       /* ... of this number */
+        uint32_t first, last; /* the edges lie in these structures and some between them */
     } folds;
 } smr_tally;
 
@@ -114,19 +115,28 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->spread.count = o->spread.next + 4u * (size_t)n;
 }
 
-/* The next normal of a vertex, from evolve until the iteration is complete. sum: smr_overlay.sum. */
-#define SMR_NEXT_NORMAL 12u /* first word of the next normal in the vertex' sum: averaging uses the words before */
+/* Three words of a vertex' sum from word `word` on, as a vector. sum: smr_overlay.sum. From evolve until the iteration
+ * is complete they hold the next normal; in tracking, once x^r is exchanged, the former x^r. */
+#define SMR_FORMER_REF 0u
+#define SMR_NEXT_NORMAL 12u /* averaging uses the words before */
 
-static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v)
+static inline smr_vec smr_sum_vec(const uint32_t *sum, uint32_t v, uint32_t word)
 {
-    smr_vec normal;
-    memcpy(&normal, sum + SMR_WORDS * (size_t)v + SMR_NEXT_NORMAL, sizeof normal);
-    return normal;
+    smr_vec vec;
+    memcpy(&vec, sum + SMR_WORDS * (size_t)v + word, sizeof vec);
+    return vec;
 }
+
+static inline void smr_sum_vec_set(uint32_t *sum, uint32_t v, uint32_t word, smr_vec vec)
+{
+    memcpy(sum + SMR_WORDS * (size_t)v + word, &vec, sizeof vec);
+}
+
+static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v) { return smr_sum_vec(sum, v, SMR_NEXT_NORMAL); }
 
 static inline void smr_next_normal_set(uint32_t *sum, uint32_t v, smr_vec normal)
 {
-    memcpy(sum + SMR_WORDS * (size_t)v + SMR_NEXT_NORMAL, &normal, sizeof normal);
+    smr_sum_vec_set(sum, v, SMR_NEXT_NORMAL, normal);
 }
 
 #endif
