@@ -39,7 +39,7 @@ static struct {
     void *saved;
     smr_job job;
     smr_landmark mark[TARGET_MARKS];
-    uint32_t is_bent;
+    uint32_t is_bent, is_tracked;
 } in;
 
 static void *target_take(size_t bytes)
@@ -49,10 +49,18 @@ static void *target_take(size_t bytes)
     return in.used <= sizeof target_memory ? at : NULL;
 }
 
-static smr_config target_calls_config(uint32_t moves)
+enum { TARGET_RESTS, TARGET_MOVES, TARGET_TRACKS };
+
+static smr_config target_calls_config(uint32_t mode)
 {
+    const int moves = mode == TARGET_MOVES;
     smr_config config = smr_config_default();
     config.basic.n_target_vertices = moves ? 0u : 2u * TARGET_MANY;
+    if (mode == TARGET_TRACKS) { /* after one iteration */
+        config.track.mode = SMR_TRACK_RECOVER;
+        config.basic.iterations_last = 1;
+        config.schedule.radius_first = config.schedule.radius_last = 1;
+    }
     config.partial.n_landmarks = TARGET_MARKS;
     config.contact.n_fixed = 1;
     config.contact.share = config.contact.volume = moves ? 0.0f : 1.0f;
@@ -63,10 +71,10 @@ static smr_config target_calls_config(uint32_t moves)
     return config;
 }
 
-static smr_status target_init(uint32_t moves)
+static smr_status target_init(uint32_t mode)
 {
     const smr_port port = {&target_time, 1u, NULL, target_now};
-    const smr_config config = target_calls_config(moves);
+    const smr_config config = target_calls_config(mode);
     size_t bytes = 0;
     (void)smr_arena_bytes(in.model, &config, &bytes);
     return smr_init_begin(in.model, &config, &port, target_take(bytes), bytes, &in.s, &in.job);
@@ -74,36 +82,33 @@ static smr_status target_init(uint32_t moves)
 
 /* ---- calls that run whole ---- */
 
-static smr_status target_open(void) { return smr_model_open_begin(in.of, sizeof target_file[0], &in.of, &in.job); }
-static smr_status target_mesh(void) { return smr_model_mesh(in.model, 0, target_xyz[2], target_triangles[1]); }
-static smr_status target_start_one(void) { return target_init(0); }
-static smr_status target_surface(void) { return smr_set_surface(in.s, SMR_ALL, in.surface); }
-static smr_status target_fixed(void) { return smr_set_fixed(in.s, 0, in.moved); }
-static smr_status target_set_pose(void) { return smr_set_pose_begin(in.s, &target_poses[0], &in.job); }
-static smr_status target_positions(void) { return smr_set_positions_begin(in.s, 0, target_xyz[2], &in.job); }
-static smr_status target_marks(void) { return smr_set_landmarks(in.s, in.mark, TARGET_MARKS); }
-static smr_status target_goals(void) { return smr_set_goals(in.s, 0, target_xyz[2], NULL); }
-static smr_status target_ratio(void) { return smr_set_volume_ratio(in.s, 0, 1.0f); }
-static smr_status target_get(void) { return smr_get_positions(in.s, 0, target_out); }
-static smr_status target_normals(void) { return smr_get_normals(in.s, 0, target_out); }
-static smr_status target_visible(void) { return smr_get_visible(in.s, 0, (unsigned char *)(void *)target_out); }
-static smr_status target_report(void)
-{
-    return smr_get_structure_report(in.s, 0, (smr_structure_report *)(void *)target_out);
-}
-static smr_status target_volume(void)
-{
-    return smr_get_structure_volume(in.s, 0, (smr_structure_volume *)(void *)target_out);
-}
-static smr_status target_pose_of(void) { return smr_get_pose(in.s, 0, &target_poses[1], target_out); }
-static smr_status target_hash(void) { return smr_state_hash(in.s) != 0u ? SMR_OK : SMR_E_STATE; }
+#define TARGET_CALL(name, call)                                                                                        \
+    static smr_status target_##name(void) { return call; }
+
+TARGET_CALL(open, smr_model_open_begin(in.of, sizeof target_file[0], &in.of, &in.job))
+TARGET_CALL(mesh, smr_model_mesh(in.model, 0, target_xyz[2], target_triangles[1]))
+TARGET_CALL(start_one, target_init(TARGET_RESTS))
+TARGET_CALL(surface, smr_set_surface(in.s, SMR_ALL, in.surface))
+TARGET_CALL(fixed, smr_set_fixed(in.s, 0, in.moved))
+TARGET_CALL(set_pose, smr_set_pose_begin(in.s, &target_poses[0], &in.job))
+TARGET_CALL(positions, smr_set_positions_begin(in.s, 0, target_xyz[2], &in.job))
+TARGET_CALL(marks, smr_set_landmarks(in.s, in.mark, TARGET_MARKS))
+TARGET_CALL(goals, smr_set_goals(in.s, 0, target_xyz[2], NULL))
+TARGET_CALL(ratio, smr_set_volume_ratio(in.s, 0, 1.0f))
+TARGET_CALL(get, smr_get_positions(in.s, 0, target_out))
+TARGET_CALL(normals, smr_get_normals(in.s, 0, target_out))
+TARGET_CALL(visible, smr_get_visible(in.s, 0, (unsigned char *)(void *)target_out))
+TARGET_CALL(report, smr_get_structure_report(in.s, 0, (smr_structure_report *)(void *)target_out))
+TARGET_CALL(volume, smr_get_structure_volume(in.s, 0, (smr_structure_volume *)(void *)target_out))
+TARGET_CALL(pose_of, smr_get_pose(in.s, 0, &target_poses[1], target_out))
+TARGET_CALL(hash, smr_state_hash(in.s) != 0u ? SMR_OK : SMR_E_STATE)
 static smr_status target_weights(void)
 {
     uint32_t n;
     return smr_get_reference_weights(in.s, target_out, &n);
 }
-static smr_status target_get_marks(void) { return smr_get_landmarks(in.s, target_out); }
-static smr_status target_save_bytes(void) { return smr_save_bytes(in.s, &in.saved_bytes); }
+TARGET_CALL(get_marks, smr_get_landmarks(in.s, target_out))
+TARGET_CALL(save_bytes, smr_save_bytes(in.s, &in.saved_bytes))
 static smr_status target_save(void)
 {
     in.saved = target_take(in.saved_bytes);
@@ -123,43 +128,28 @@ static smr_status target_restore(void)
                ? smr_restore_begin(in.model, NULL, &port, in.saved, in.saved_bytes, arena, bytes, &s, &in.job)
                : SMR_E_ARENA;
 }
-static smr_status target_scrub_on(void) { return smr_set_scrub_begin(in.s, SMR_SCRUB_INPUTS, &in.job); }
+TARGET_CALL(scrub_on, smr_set_scrub_begin(in.s, SMR_SCRUB_INPUTS, &in.job))
 static smr_status target_closest(void)
 {
     smr_closest hit;
     return smr_surface_closest(in.surface, target_xyz[2], NULL, 0.0f, 1000.0f, &hit);
 }
-static smr_status target_distances(void)
-{
-    return smr_surface_distances(in.surface, target_xyz[2], in.rest.n_vertices, target_out);
-}
+TARGET_CALL(distances, smr_surface_distances(in.surface, target_xyz[2], in.rest.n_vertices, target_out))
 static smr_status target_points_open(void)
 {
     size_t bytes = 0;
     const smr_status status = smr_points_bytes(in.goal.n_vertices, &bytes);
     return status != SMR_OK ? status : smr_points_open(in.goal.n_vertices, target_take(bytes), bytes, &in.points);
 }
-static smr_status target_points_add(void)
-{
-    return smr_points_add(in.points, target_xyz[0], NULL, NULL, in.goal.n_vertices);
-}
-static smr_status target_weigh(void) { return smr_points_weigh(in.points, 0, 0.5f); }
-static smr_status target_clear(void) { return smr_points_clear(in.points); }
-static smr_status target_set_points(void) { return smr_set_points(in.s, SMR_ALL, in.points); }
-static smr_status target_apply(void) { return smr_carry_apply(in.carry, target_xyz[2], target_out); }
-static smr_status target_map(void)
-{
-    return smr_carry_map(in.carry, target_xyz[2], 0, target_xyz[2], TARGET_FEW, target_out, NULL);
-}
-static smr_status target_inverse(void)
-{
-    return smr_carry_map(in.carry, target_xyz[2], 1, target_xyz[2], TARGET_FEW, target_out, NULL);
-}
-static smr_status target_places(void) { return smr_frame_places(target_xyz[2], in.rest.n_vertices, 1.0f, target_out); }
-static smr_status target_frames(void)
-{
-    return smr_frame_poses(target_out, target_out, in.rest.n_vertices, target_poses, NULL);
-}
+TARGET_CALL(points_add, smr_points_add(in.points, target_xyz[0], NULL, NULL, in.goal.n_vertices))
+TARGET_CALL(weigh, smr_points_weigh(in.points, 0, 0.5f))
+TARGET_CALL(clear, smr_points_clear(in.points))
+TARGET_CALL(set_points, smr_set_points(in.s, SMR_ALL, in.points))
+TARGET_CALL(apply, smr_carry_apply(in.carry, target_xyz[2], target_out))
+TARGET_CALL(map, smr_carry_map(in.carry, target_xyz[2], 0, target_xyz[2], TARGET_FEW, target_out, NULL))
+TARGET_CALL(inverse, smr_carry_map(in.carry, target_xyz[2], 1, target_xyz[2], TARGET_FEW, target_out, NULL))
+TARGET_CALL(places, smr_frame_places(target_xyz[2], in.rest.n_vertices, 1.0f, target_out))
+TARGET_CALL(frames, smr_frame_poses(target_out, target_out, in.rest.n_vertices, target_poses, NULL))
 static smr_status target_warp_fit(void)
 {
     uint32_t kind;
@@ -167,11 +157,16 @@ static smr_status target_warp_fit(void)
     (void)smr_warp_bytes(TARGET_WARPED, &bytes);
     return smr_warp_fit(target_xyz[2], target_xyz[0], TARGET_WARPED, 0.1f, target_take(bytes), bytes, &in.warp, &kind);
 }
-static smr_status target_warp(void) { return smr_warp_apply(in.warp, target_xyz[1], in.goal.n_vertices); }
-static smr_status target_moves(void) { return target_init(1); }
-static smr_status target_motion(void) { return smr_set_motion(in.s, 0, NULL, target_xyz[2]); }
-static smr_status target_velocities(void) { return smr_get_velocities(in.s, 0, target_out); }
-static smr_status target_energy(void) { return smr_get_energy(in.s, (smr_energy *)(void *)target_out); }
+TARGET_CALL(warp, smr_warp_apply(in.warp, target_xyz[1], in.goal.n_vertices))
+TARGET_CALL(moves, target_init(TARGET_MOVES))
+static smr_status target_tracks(void)
+{
+    const smr_status status = smr_job_whole(target_init(TARGET_TRACKS), &in.job, NULL);
+    return status == SMR_OK ? target_surface() : status;
+}
+TARGET_CALL(motion, smr_set_motion(in.s, 0, NULL, target_xyz[2]))
+TARGET_CALL(velocities, smr_get_velocities(in.s, 0, target_out))
+TARGET_CALL(energy, smr_get_energy(in.s, (smr_energy *)(void *)target_out))
 static smr_status target_prepare(void)
 {
     const smr_structure one = {"bone", in.rest};
@@ -200,20 +195,17 @@ static smr_status target_build_of(const float *xyz, smr_surface **surface)
     const smr_status status = smr_surface_bytes(mesh.n_vertices, mesh.n_triangles, &bytes);
     return status != SMR_OK ? status : smr_surface_build(&mesh, target_take(bytes), bytes, surface);
 }
-static smr_status target_build_moved(void) { return target_build_of(target_xyz[1], &in.moved); }
-static smr_status target_refit(void) { return smr_surface_refit(in.surface, target_xyz[0]); }
+TARGET_CALL(build_moved, target_build_of(target_xyz[1], &in.moved))
+TARGET_CALL(refit, smr_surface_refit(in.surface, target_xyz[0]))
 static smr_status target_copy_points(void)
 {
     size_t bytes = 0;
     (void)smr_points_surface_bytes(in.goal.n_vertices, &bytes);
     return smr_points_surface_begin(in.points, target_take(bytes), bytes, &in.cloud_surface);
 }
-static smr_status target_verdict(void)
-{
-    return smr_verdict_begin(in.s, SMR_ALL, (smr_verdict *)(void *)target_out, &in.job);
-}
-static smr_status target_expected(void) { return smr_expected_begin(in.s, 0, target_out, NULL, NULL, &in.job); }
-static smr_status target_local(void) { return smr_local_volume_begin(in.s, 0, 0, target_out, &in.job); }
+TARGET_CALL(verdict, smr_verdict_begin(in.s, SMR_ALL, (smr_verdict *)(void *)target_out, &in.job))
+TARGET_CALL(expected, smr_expected_begin(in.s, 0, target_out, NULL, NULL, &in.job))
+TARGET_CALL(local, smr_local_volume_begin(in.s, 0, 0, target_out, &in.job))
 static smr_status target_contact(void)
 {
     return smr_surface_contact_begin(in.surface, in.moved, 0.5f, (smr_contact_report *)(void *)target_out, &in.job);
@@ -300,6 +292,8 @@ static const struct {
     {"smr_frame_poses", target_frames, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_warp_fit, 24 pairs", target_warp_fit, TARGET_WHOLE, TARGET_ONE},
     {"smr_warp_apply", target_warp, TARGET_WHOLE, TARGET_GOAL_VERTEX},
+    {"smr_init, tracking", target_tracks, TARGET_WHOLE, TARGET_VERTEX},
+    {"smr_tick, tracking", NULL, TARGET_TICK, TARGET_VERTEX}, /* the schedule's last iteration and tracking's first */
     {"smr_init_begin, dynamics", target_moves, TARGET_JOB, TARGET_VERTEX},
     {"smr_set_motion", target_motion, TARGET_WHOLE, TARGET_VERTEX},
     {"smr_get_velocities", target_velocities, TARGET_WHOLE, TARGET_VERTEX},
@@ -321,7 +315,8 @@ static smr_status target_piece(uint32_t kind)
     }
     const smr_status status = smr_tick(in.s, 1, &report); /* one chunk, and checks before and after */
     ticks += status == SMR_OK ? 1u : 0u;
-    return status < 0 || ticks == TARGET_TICKS ? status : SMR_PARTIAL;
+    in.is_tracked |= report.details.tracking;
+    return status < 0 || (status == SMR_OK && ticks % TARGET_TICKS == 0u) ? status : SMR_PARTIAL;
 }
 
 /* The stage of a job, or the step of a tick, that runs next. */
@@ -416,5 +411,5 @@ int main(void)
     int good = target_begin();
     for (uint32_t i = 0; i < sizeof target_calls / sizeof target_calls[0] && good; i++)
         good = target_row(i);
-    return good && in.is_bent > 0u ? 0 : 1;
+    return good && in.is_bent > 0u && in.is_tracked > 0u ? 0 : 1;
 }

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "options/track/track.h"
+#include "registration/schedule_radius.h"
+#include "registration/tick/iteration_steps.h"
 #include "unit_moving_bone.h"
 
 static smr *started(const scene *e, const smr_port *port)
@@ -120,6 +122,57 @@ TEST(test_follows)
     const smr_mesh want = {before, e.source.triangles, n, e.source.n_triangles};
     const smr_mesh moved = rig_moved(&want, m, t);
     assert_true(rig_far(moved.xyz, rig_positions(s, e.model), n) < 1.5f);
+}
+
+/* Ticks that end within an iteration, from before tracking starts: the state is that of the last complete iteration,
+ * and what an abandoned iteration has done to x^r is undone. Returns how many pauses had a part of x^r exchanged,
+ * before tracking + 1000 times in tracking. `whole` runs ticks without a budget; NULL: iterations are abandoned. */
+static uint32_t run_in_pieces(const scene *e, smr *s, smr *whole)
+{
+    const size_t bytes = 3u * (size_t)e->source.n_vertices * sizeof(float);
+    float *const before = rig_alloc(bytes);
+    uint32_t within = 0;
+    for (uint32_t after = 0; after < 4u; after += s->schedule.tracking) {
+        const smr_surface *const at = e->at[after % 2u];
+        const int plastic = smr_plastic_follows(s);
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, at));
+        assert_int_equal(SMR_OK, whole != NULL ? smr_set_surface(whole, SMR_ALL, at) : SMR_OK);
+        const uint64_t hash = smr_state_hash(s);
+        memcpy(before, s->shape.x_ref, bytes);
+        for (smr_status status; (status = smr_tick(s, 1, NULL)) != SMR_OK;) {
+            assert_true(status == SMR_PARTIAL && smr_state_hash(s) == hash);
+            if (smr_exchanged(s) == 0u || s->evolve.ref_next == SMR_REF_STAYS)
+                continue;
+            assert_true(plastic || memcmp(before, s->shape.x_ref, bytes) != 0);
+            within += s->schedule.tracking ? 1000u : 1u;
+            if (whole != NULL || within > 3000u || (within > 3u && within < 1000u))
+                continue;
+            smr_abandon_iteration(s); /* as a new image or a motion does */
+            smr_guard_close(s);
+            assert_true(smr_state_hash(s) == hash && (plastic || memcmp(before, s->shape.x_ref, bytes) == 0));
+        }
+        assert_int_equal(SMR_OK, whole != NULL ? smr_tick(whole, 0, NULL) : SMR_OK);
+        assert_true(whole == NULL || smr_state_hash(s) == smr_state_hash(whole));
+    }
+    return within;
+}
+
+TEST(test_reference_within_iterations)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    e.config.basic.budget_exact = 1;
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = rig_init(e.model, &e.config, &port), *whole = rig_init(e.model, &e.config, NULL);
+    const uint32_t within = run_in_pieces(&e, s, whole);
+    assert_true(within > 1000u && within % 1000u > 0u);
+    const smr_track_rest *const a = s->shape.track_rest, *const b = whole->shape.track_rest;
+    assert_memory_equal(s->shape.track_rest_x, whole->shape.track_rest_x, 12u * e.source.n_vertices);
+    assert_memory_equal(&a->box, &b->box, sizeof a->box);
+    const smr_box box = smr_box_of(s->shape.track_rest_x, e.source.n_vertices);
+    assert_memory_equal(&a->box, &box, sizeof box);
+    const uint32_t abandoned = run_in_pieces(&e, rig_init(e.model, &e.config, &port), NULL);
+    assert_true(abandoned > 1000u && abandoned % 1000u > 0u);
 }
 
 TEST(test_jumps)

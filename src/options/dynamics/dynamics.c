@@ -196,5 +196,7 @@ void smr_time_steps_next(smr *s)
 {
     if (s->shape.dynamics->ends)
         smr_step_velocities(s);
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_put3(s->shape.x_ref, v, smr_track_rest_posed(&s->shape, v));
     smr_track_rest_commit(&s->shape);
 }

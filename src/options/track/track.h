@@ -20,9 +20,10 @@ enum { SMR_CHANGED = 1u, SMR_CHANGED_MOVED = 2u, SMR_CHANGED_SHOWN = 3u, SMR_CHA
 /* Returns 1 when targets are tracked, which starts when the schedule is done. */
 static inline int smr_tracks(const smr_schedule *p) { return SMR_HAS_TRACK && p->tracking; }
 
-void smr_tracking_start(smr *s);     /* when the schedule is done: starts tracking, with positions x as rest shape */
-void smr_tracking_end(smr *s);       /* when the schedule starts over: ends tracking */
-void smr_tracking_begin(smr *s);     /* before an iteration: restarts iterations when inputs have changed */
+int smr_tracking_ahead(const smr *s); /* returns 1 when tracking starts with the end of the current iteration */
+void smr_tracking_start(smr *s); /* when the schedule is done: starts tracking; x^r and its rest shape are x already */
+void smr_tracking_end(smr *s);   /* when the schedule starts over: ends tracking */
+void smr_tracking_begin(smr *s); /* before an iteration: restarts iterations when inputs have changed */
 void smr_tracking_momentum(smr *s);  /* when targets are known: sets the iteration's momentum */
 void smr_tracking_find_jump(smr *s); /* when forces are complete: sets schedule.jumped, 1 after a jump of targets */
 void smr_tracking_next(smr *s);      /* after an iteration: sets the next radius after a jump, or `settled` */

@@ -3,8 +3,8 @@
  * decide whether the target has jumped: goals are farther than the model can follow. Then, if configured, the coarser
  * radii are used again. When surfaces or landmarks change beside an old image, the occluded vertices' field carries its
  * findings along.
- * Bounds: SMR_RADII_MAX; two passes over the vertices when tracking starts or an image becomes outdated; with
- * track_ahead, one over vertices and triangles for new targets.
+ * Bounds: SMR_RADII_MAX; two passes over the vertices when an image becomes outdated; with
+ * track.ahead, one over vertices and triangles for new targets.
  * SPDX-License-Identifier: MIT */
 #include "options/track/track.h"
 #include "registration/schedule_radius.h"
@@ -78,6 +78,11 @@ static float share_found(const smr *s)
     return t->n_with_target > 0u ? (float)t->n_forces / (float)t->n_with_target : 0.0f;
 }
 
+int smr_tracking_ahead(const smr *s)
+{
+    return s->shared.config.track.mode != SMR_TRACK_OFF && smr_ending_of(s, s->schedule.radius_iteration + 1u).done;
+}
+
 void smr_tracking_start(smr *s)
 {
     s->schedule.tracking = 1;
@@ -87,8 +92,6 @@ void smr_tracking_start(smr *s)
     s->schedule.found = share_found(s);
     s->schedule.noise_mm = smr_residual_typical(&s->forces.surface);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
-    memcpy(s->shape.x_ref, s->shape.x, 3u * (size_t)s->shared.n * sizeof *s->shape.x);
-    smr_track_rest_start(&s->shape);
     go_to(s, smr_radius_after(s));
 }
 
@@ -168,8 +171,8 @@ void smr_tracking_begin(smr *s)
         return;
     }
     note_age(s);
-    if (s->schedule.changed >= SMR_CHANGED_MOVED) {
-        if (SMR_HAS_CONTACT && s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
+    if (s->schedule.changed >= SMR_CHANGED_MOVED && s->shape.track_pose_last != NULL) {
+        if (SMR_HAS_CONTACT && !s->shape.track_rest->predicted)
             smr_contact_reset(&s->forces.contact, 0, 1);
         smr_certainties_clear(&s->forces.surface); /* forgets certain closest triangles: the prediction moves x */
         smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);

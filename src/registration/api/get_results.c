@@ -24,7 +24,7 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 {
     SMR_TRY(smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz));
     const smr_shape_structure *one = &s->shape.structure[structure];
-    const uint32_t n = smr_normals_exchanged(s);
+    const uint32_t n = smr_exchanged(s);
     for (uint32_t i = 0; i < one->n_vertices && n > 0u; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         if (v < n)
@@ -104,7 +104,13 @@ uint64_t smr_state_hash(const smr *s)
     if (smr_sound(s) != SMR_OK || s->ticking == SMR_STARTING)
         return 0;
     float *const x_ref = smr_plastic_follows(s) ? s->shape.x : s->shape.x_ref;
-    return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(x_ref, s->shared.n);
+    uint64_t hash = smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(x_ref, s->shared.n);
+    for (uint32_t v = smr_plastic_follows(s) || s->evolve.ref_next == SMR_REF_STAYS ? 0u : smr_exchanged(s);
+         v-- > 0u;) {
+        const smr_vec former = smr_sum_vec(s->sums.sum, v, SMR_FORMER_REF);
+        hash += 3u * (smr_hash_point(v, &former.x) - smr_hash_point(v, smr_at3(x_ref, v)));
+    }
+    return hash;
 }
 
 smr_status smr_get_log(const smr *s, smr_log_state *state)

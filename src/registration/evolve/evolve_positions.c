@@ -55,11 +55,11 @@ void smr_evolve_step(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
     }
 }
 
-/* Returns the hash of a vertex' index and position p, mm. The sum over vertices does not depend on their order. */
-static uint64_t hash_point(uint32_t index, const float *p)
+/* Returns the hash of a vertex' number and position x, mm. The sum over vertices does not depend on their order. */
+uint64_t smr_hash_point(uint32_t v, const float *x)
 {
-    const uint64_t xy = (uint64_t)smr_float_bits(p[0] + 0.0f) << 32 | smr_float_bits(p[1] + 0.0f);
-    const uint64_t zi = (uint64_t)smr_float_bits(p[2] + 0.0f) << 32 | index;
+    const uint64_t xy = (uint64_t)smr_float_bits(x[0] + 0.0f) << 32 | smr_float_bits(x[1] + 0.0f);
+    const uint64_t zi = (uint64_t)smr_float_bits(x[2] + 0.0f) << 32 | v;
     return smr_mix(xy + 0x9e3779b97f4a7c15u * smr_mix(zi));
 }
 
@@ -67,7 +67,7 @@ uint64_t smr_hash_positions(const float *xyz, uint32_t n)
 {
     uint64_t hash = 0;
     for (uint32_t v = 0; v < n; v++)
-        hash += hash_point(v, xyz + 3u * (size_t)v);
+        hash += smr_hash_point(v, xyz + 3u * (size_t)v);
     return hash;
 }
 
@@ -93,7 +93,7 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
         if (e->most2 != NULL)
             note_moved(e, v, worker, smr_dot(moved, moved));
         sum += SMR_SQRT(smr_dot(moved, moved));
-        hash += hash_point(v, smr_at3(x_next, v));
+        hash += smr_hash_point(v, smr_at3(x_next, v));
     }
     e->tally[task].evolve.moved2 = moved2;
     e->tally[task].evolve.moved = sum;

@@ -18,6 +18,12 @@ typedef struct smr_tangent_smooth {
     uint8_t *limited; /* [n] largest removed share of the vertex' steps at the last radius, times SMR_LIMITED_FULL */
 } smr_tangent_smooth;
 
+enum {
+    SMR_REF_STAYS = 0,
+    SMR_REF_POSED,
+    SMR_REF_TRACKED
+}; /* the rest shape of tracking in new poses; x, as that shape */
+
 typedef struct smr_evolve {
     const smr_shared *shared;
     const smr_shape *shape;
@@ -30,6 +36,7 @@ typedef struct smr_evolve {
     float mean_mm;        /* mean displacement of the current iteration, mm */
     uint64_t hash;        /* hash of the positions x_next */
     uint32_t normals_due; /* 1: normals are computed from triangles in this iteration */
+    uint32_t ref_next;    /* SMR_REF_...: what x^r becomes with this iteration's end; plasticity does so later */
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
@@ -40,6 +47,7 @@ void smr_evolve_reset(smr_evolve *e, uint32_t part, uint32_t parts);
 smr_count_tasks smr_evolve_tasks;
 smr_run_task smr_evolve_step, smr_evolve_measure;
 void smr_evolve_measure_end(smr_evolve *e);
+uint64_t smr_hash_point(uint32_t v, const float *x);       /* returns what position x [3] of vertex v adds to a hash */
 uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* returns a hash of n positions xyz [n][3] */
 
 /* Tangential smoothing, at the last radius. Steps: sums set to 0; sums over mesh neighbours, one task after another. */

@@ -88,14 +88,15 @@ void smr_rest_pose_end(smr_shape *shape);
 /* tracking_rest_shape.c, in tracking and dynamics: x^r is tracking's rest shape, each structure in its best-fitting
  * pose. The fit is to x_next at the end of an iteration. */
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
-void smr_track_rest_wire(smr_shape *shape);   /* counts the summation's tasks in n_tasks */
-void smr_track_rest_derive(smr_shape *shape); /* computes the box around track_rest_x */
-void smr_track_rest_poses(smr_shape *shape);  /* sets the poses of the rest shape to none */
-void smr_track_rest_start(smr_shape *shape);  /* the same, and copies x to track_rest_x, tracking's rest shape */
+void smr_track_rest_wire(smr_shape *shape);            /* counts the summation's tasks in n_tasks */
+void smr_track_rest_poses(smr_shape *shape);           /* sets the poses of the rest shape to none */
+void smr_track_rest_clear(smr_shape *shape);           /* the same, and empties the box */
+void smr_track_rest_add(smr_shape *shape, uint32_t v); /* adds the next position of v, all one after the other */
 smr_count_tasks smr_track_rest_sum_tasks;
 smr_run_task smr_track_rest_sum; /* adds a chunk of vertices to the fits of poses; one task after the other */
 void smr_track_rest_sum_end(smr_shape *shape);
-void smr_track_rest_commit(smr_shape *shape);     /* sets x^r to track_rest_x in the new poses */
+smr_vec smr_track_rest_posed(const smr_shape *shape, uint32_t v); /* returns track_rest_x of v in the new poses */
+void smr_track_rest_commit(smr_shape *shape);                     /* makes the new pose of the whole current */
 void smr_track_rest_keep_image(smr_shape *shape); /* copies x to image_x when the tracked image becomes outdated */
 /* for new targets: stores each structure's pose; steady 1: also moves structures ahead by their last motion */
 void smr_track_rest_predict(smr_shape *shape, int steady);

@@ -1,8 +1,8 @@
 /* tracking_rest_shape.c: tracking's rest shape is the result of the coarse-to-fine schedule. The reference shape x^r is
  * the rest shape in new poses, not x, so errors do not accumulate. Clusters find small rotations best, and parts may
- * turn against each other: each iteration fits a rigid pose of each structure to x. x^r follows when the iteration is
- * complete. A structure without triangles moves with the whole model.
- * Bounds: a pass over the vertices in chunks, and one at once; a fit for each structure.
+ * turn against each other: each iteration fits a rigid pose of each structure to x. x^r follows at its end. A structure
+ * without triangles moves with the whole model.
+ * Bounds: two passes over the vertices in chunks; a fit for each structure.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "registration/shape/deformed_shape.h"
@@ -40,12 +40,6 @@ void smr_track_rest_wire(smr_shape *shape)
         shape->track_rest->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);
 }
 
-void smr_track_rest_derive(smr_shape *shape)
-{
-    if (shape->track_rest != NULL)
-        shape->track_rest->box = smr_box_of(shape->track_rest_x, shape->shared->n);
-}
-
 void smr_track_rest_poses(smr_shape *shape)
 {
     static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -58,11 +52,17 @@ void smr_track_rest_poses(smr_shape *shape)
     shape->track_rest->rest_pose = shape->rest_pose;
 }
 
-void smr_track_rest_start(smr_shape *shape)
+void smr_track_rest_clear(smr_shape *shape)
 {
     smr_track_rest_poses(shape);
-    memcpy(shape->track_rest_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
-    smr_track_rest_derive(shape);
+    shape->track_rest->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+}
+
+void smr_track_rest_add(smr_shape *shape, uint32_t v)
+{
+    const smr_vec x = smr_get3(shape->x_next, v);
+    smr_put3(shape->track_rest_x, v, x);
+    smr_box_grow(&shape->track_rest->box, x);
 }
 
 void smr_track_rest_keep_image(smr_shape *s) { memcpy(s->image_x, s->x, 3u * (size_t)s->shared->n * sizeof(float)); }
@@ -123,14 +123,16 @@ void smr_track_rest_sum_end(smr_shape *shape)
             shape->track_pose[i] = h->whole;
 }
 
+smr_vec smr_track_rest_posed(const smr_shape *shape, uint32_t v)
+{
+    const smr_pose *pose = &shape->track_pose[smr_model_owner(shape->shared->model, v)];
+    return smr_pose_apply(pose, smr_get3(shape->track_rest_x, v));
+}
+
 void smr_track_rest_commit(smr_shape *shape)
 {
     shape->track_rest->predicted = 0;
     shape->rest_pose = after(&shape->track_rest->whole, &shape->track_rest->rest_pose);
-    for (uint32_t v = 0; v < shape->shared->n; v++) {
-        const smr_pose *pose = &shape->track_pose[smr_model_owner(shape->shared->model, v)];
-        smr_put3(shape->x_ref, v, smr_pose_apply(pose, smr_get3(shape->track_rest_x, v)));
-    }
 }
 
 static smr_pose inverse(const smr_pose *p)

@@ -56,6 +56,11 @@ static void measure_end(smr *s)
     s->volumes.pending = (uint32_t)(smr_volumes_used(&s->volumes) && smr_volumes_pending(&s->volumes));
     s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->schedule.tracking ||
                             smr_moves(s) || smr_plastic_ahead(s);
+    s->evolve.ref_next = smr_tracks(&s->schedule)                 ? SMR_REF_POSED
+                         : SMR_HAS_TRACK && smr_tracking_ahead(s) ? SMR_REF_TRACKED
+                                                                  : SMR_REF_STAYS;
+    if (s->evolve.ref_next == SMR_REF_TRACKED)
+        smr_track_rest_clear(&s->shape);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
@@ -77,24 +82,31 @@ void smr_refit_again(void *s, uint32_t task, uint32_t worker) { smr_triangles_re
 
 static uint32_t one_task(const void *stage) { return (void)stage, 1u; }
 
-/* Exchanges normals with the next ones, which lie in the sums. A reader that comes before the last step finds the old
- * ones there. */
-static void exchange_normals(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
+/* Exchanges normals with the next ones, which lie in the sums, and sets x^r as evolve.ref_next says. A reader that
+ * comes before the last step finds the former ones in the sums. */
+static void exchange(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr *s = arg;
+    const uint32_t ref = s->evolve.ref_next;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
         const smr_vec next = smr_next_normal(s->sums.sum, v);
         smr_next_normal_set(s->sums.sum, v, smr_get3(s->shape.normal, v));
         smr_put3(s->shape.normal, v, next);
+        if (ref == SMR_REF_STAYS)
+            continue;
+        smr_sum_vec_set(s->sums.sum, v, SMR_FORMER_REF, smr_get3(s->shape.x_ref, v));
+        if (ref == SMR_REF_TRACKED)
+            smr_track_rest_add(&s->shape, v);
+        smr_put3(s->shape.x_ref, v, smr_track_rest_posed(&s->shape, v));
     }
 }
 
 static uint32_t vertex_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
 
-uint32_t smr_normals_exchanged(const smr *s)
+uint32_t smr_exchanged(const smr *s)
 {
     uint32_t step = 0;
-    while (smr_steps[step].run != exchange_normals)
+    while (smr_steps[step].run != exchange)
         step++;
     return s->step < step ? 0u : s->step > step ? s->shared.n : smr_min_u32(s->next_task * SMR_CHUNK, s->shared.n);
 }
@@ -127,8 +139,11 @@ void smr_commit(void *arg, SMR_UNUSED uint32_t task, SMR_UNUSED uint32_t worker)
 
 SMR_SELDOM void smr_abandon_iteration(smr *s)
 {
-    for (uint32_t v = 0; v < smr_normals_exchanged(s); v++)
+    for (uint32_t v = 0; v < smr_exchanged(s); v++) {
         smr_put3(s->shape.normal, v, smr_next_normal(s->sums.sum, v));
+        if (s->evolve.ref_next != SMR_REF_STAYS)
+            smr_put3(s->shape.x_ref, v, smr_sum_vec(s->sums.sum, v, SMR_FORMER_REF));
+    }
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
     if (s->step > 0u) /* the first step does not change it */
         s->shape.rest_pose = s->shape.rest_pose_before;
@@ -222,12 +237,12 @@ const smr_step smr_steps[] = { /* a step with the member `magic`, which is the f
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 70, shape, smr_uppers_tasks, smr_uppers_refit, NULL),
     /* tracking and dynamics: poses of structures, which x^r follows */
     SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, 40, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
-    /* displacements; normals; then all results become current at once, and x^r is set to x by plasticity */
+    /* displacements; normals, for tracking x^r; then all results become current at once */
     SMR_STEP(PLAIN, EVOLVE, TASKS, 20, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
     SMR_STEP(PLAIN, EVOLVE, TASKS, 4, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 40, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, 10, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 5, magic, vertex_tasks, exchange_normals, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 20, magic, vertex_tasks, exchange, NULL),
     SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, 40, magic, smr_step_energy_tasks, smr_step_energy, NULL),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, 90, magic, one_task, smr_commit, NULL),
 };

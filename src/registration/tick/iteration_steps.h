@@ -68,8 +68,8 @@ void smr_forces_settle(smr *s);              /* completes smr_sources_keep() whe
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 
-/* Returns the number of vertices whose normals are exchanged with the next ones, in smr_sums.sum, before a commit. */
-uint32_t smr_normals_exchanged(const smr *s);
+/* Returns the number of vertices whose normals, and in tracking x^r, are the next ones; smr_sums.sum has the former. */
+uint32_t smr_exchanged(const smr *s);
 
 /* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which existed. */
 void smr_abandon_iteration(smr *s);
