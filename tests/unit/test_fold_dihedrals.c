@@ -6,7 +6,8 @@
 
 #include "property/rig.h"
 #include "registration/folds/folds.h"
-#include "registration/registration.h"
+#include "registration/schedule_radius.h"
+#include "registration/tick/iteration_steps.h"
 
 static smr *balls(uint32_t n)
 {
@@ -92,5 +93,58 @@ TEST(test_passes)
         assert_int_equal((n[over] + 2u) / 3u, pass.n_done);
         for (uint32_t i = 0; i < 64u; i++)
             assert_int_equal(i >= first[over] && i < first[over] + n[over], seen[i]);
+    }
+}
+
+/* Vertices of balls moved at random, so that triangles fold; then the steps of folds. all: chunks are only
+ * skipped where no structure has folds. Writes the next positions; returns the number of skipped chunks of edges. */
+static uint32_t folded(uint32_t seed, int all, float *xyz)
+{
+    smr *s = balls(3);
+    smr_folds *f = &s->folds;
+    uint32_t n_skipped = 0;
+    s->schedule.repairing = 0;
+    s->schedule.radius = smr_last_radius(&s->shared);
+    memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
+    for (uint32_t i = 0; i < 60u; i++) { /* in two of the three balls */
+        const uint32_t v = rig_random(&seed, s->shared.n);
+        if (smr_model_owner(s->shared.model, v) != 1u)
+            s->shape.x_next[3u * v + i % 3u] += 4.0f + (float)i * 0.5f;
+    }
+    smr_triangles_follow(&s->shape, s->shape.x_next);
+    for (uint32_t task = 0; task < smr_triangles_tasks(&s->shape); task++)
+        smr_triangles_refit(&s->shape, task, 0);
+    for (uint32_t task = 0; task < f->n_dihedral_tasks; task++) {
+        smr_fold_find(f, task, 0);
+        f->tally[task].folds.first = all ? 0u : f->tally[task].folds.first;
+        f->tally[task].folds.last = all ? 2u : f->tally[task].folds.last;
+    }
+    smr_fold_find_end(f);
+    for (uint32_t task = 0; task < smr_fold_limit_tasks(f); task++) {
+        for (uint32_t k = 0; k < f->n_dihedral_tasks && all; k++)
+            f->tally[k].folds.quiet = 0;
+        smr_fold_limit_pass(f, task, 0);
+    }
+    for (uint32_t i = 0; i < s->shared.n_dihedrals; i++) { /* the limit leaves no new fold */
+        const smr_stored_dihedral *h = smr_edge_at(f, i);
+        assert_true(!(smr_dihedral_cosine(f, s->shape.x_next, h) < smr_edge_limit(h)) ||
+                    smr_dihedral_cosine(f, s->shape.x, h) < smr_edge_limit(h));
+    }
+    for (uint32_t task = 0; task < f->n_dihedral_tasks; task++)
+        n_skipped += !smr_marked_since(f, &f->tally[task], 0);
+    for (uint32_t task = 0; task < smr_fold_open_tasks(f); task++)
+        smr_fold_open_pass(f, task, 0);
+    memcpy(xyz, s->shape.x_next, 3u * s->shared.n * sizeof(float));
+    return n_skipped;
+}
+
+TEST(test_chunks_are_skipped)
+{
+    const size_t bytes = 3u * (size_t)balls(3)->shared.n * sizeof(float);
+    float *const some = rig_alloc(bytes), *const every = rig_alloc(bytes);
+    for (uint32_t seed = 1; seed <= 20u; seed++) {
+        assert_true(folded(seed, 0, some) > 0u);
+        assert_int_equal(0, folded(seed, 1, every));
+        assert_memory_equal(some, every, bytes);
     }
 }

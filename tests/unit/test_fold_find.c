@@ -252,6 +252,7 @@ TEST(test_opens_what_moved)
         f->folding[0] = found == 0u;
         memset(f->marked, 0, s->shared.n);
         s->shape.x_next[3u * v] += 14.0f;
+        s->shape.x_next[3u * v + 2u] += 1.0f;
         f->marked[v] = 1;
         for (uint32_t k = 0; found == 0u && k < s->shared.n_triangles; k++)
             if (smr_any_marked(f, k))

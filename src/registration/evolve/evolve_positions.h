@@ -18,11 +18,8 @@ typedef struct smr_tangent_smooth {
     uint8_t *limited; /* [n] largest removed share of the vertex' steps at the last radius, times SMR_LIMITED_FULL */
 } smr_tangent_smooth;
 
-enum {
-    SMR_REF_STAYS = 0,
-    SMR_REF_POSED,
-    SMR_REF_TRACKED
-}; /* the rest shape of tracking in new poses; x, as that shape */
+/* What an iteration's end makes of x^r: nothing; the rest shape of tracking in new poses; x, where tracking starts. */
+enum { SMR_REF_STAYS = 0, SMR_REF_POSED, SMR_REF_STARTS };
 
 typedef struct smr_evolve {
     const smr_shared *shared;
@@ -36,7 +33,7 @@ typedef struct smr_evolve {
     float mean_mm;        /* mean displacement of the current iteration, mm */
     uint64_t hash;        /* hash of the positions x_next */
     uint32_t normals_due; /* 1: normals are computed from triangles in this iteration */
-    uint32_t ref_next;    /* SMR_REF_...: what x^r becomes with this iteration's end; plasticity does so later */
+    uint32_t ref_next;    /* SMR_REF_...; plasticity sets x^r where the next iteration begins instead */
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);

@@ -34,7 +34,7 @@ uint32_t smr_fold_find_tasks(const void *arg)
 }
 
 #define SMR_FIND_PIECE 128u   /* number of dihedral edges that a worker tests before the worker may stop */
-#define SMR_WORK_DIHEDRAL 40u /* instructions at most for a dihedral edge that does not bend, ... */
+#define SMR_WORK_DIHEDRAL 60u /* instructions at most for a dihedral edge that does not bend, ... */
 #define SMR_WORK_BENT 400u    /* ... and for a dihedral edge that bends */
 
 /* Widens the range of structures in *tally to those of edges from .. to - 1. */

@@ -3,7 +3,7 @@
  * move towards their mean: equal steps do not turn the edge. A vertex of several such edges moves towards the weighted
  * mean of their requests by the largest requested share. Edges with common corners affect each other, so several rounds
  * follow. The result is continuous in the positions. Steps of edges that still fold are halved, then removed.
- * Bounds: SMR_LIMIT_ROUNDS passes over dihedral edges; SMR_SOFT_ROUNDS over triangles of structures with folds and over
+ * Bounds: SMR_LIMIT_ROUNDS passes over dihedral edges and over triangles of structures with folds; SMR_SOFT_ROUNDS over
  * vertices with requests.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"

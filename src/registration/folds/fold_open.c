@@ -8,10 +8,9 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
-#define SMR_OPEN_PASSES 16u /* largest number of passes over the dihedral edges in an iteration */
-#define SMR_OPENED 64u      /* smr_folds.folding: pass p stores SMR_OPENED + p + 1, above the rounds of fold_limit.c */
-#define SMR_OPEN_CHUNK 32u  /* number of dihedral edges in a task */
-#define SMR_OPEN_COS 0.01f  /* cosine to which folds are opened */
+#define SMR_OPEN_PASSES 16u       /* largest number of passes over the dihedral edges in an iteration */
+#define SMR_OPEN_CHUNK 32u        /* number of dihedral edges in a task */
+#define SMR_OPEN_COS 0.01f        /* cosine to which folds are opened */
 #define SMR_CORNER_REACH 0.25f    /* largest displacement of a corner in a pass, as a share of the shortest edge */
 #define SMR_SQUARE_FLOOR 1.0e-22f /* per mm^2: largest squared gradient of a cosine that counts as none */
 #define SMR_AREA_FLOOR 1.0e-6f    /* mm^2: twice the area of the smallest triangle that has a normal */
@@ -59,7 +58,7 @@ static void add_gradient(const side *own, const side *other, const uint32_t plac
     }
 }
 
-SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosine)
+SMR_SELDOM static int open_dihedral(smr_folds *f, const side *a, const side *b, float cosine)
 {
     static const uint32_t own[3] = {0, 1, 2};
     uint32_t place[3] = {3, 3, 3}, corner[4] = {a->corner[0], a->corner[1], a->corner[2], a->corner[0]};
@@ -79,7 +78,7 @@ SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b,
         largest2 = smr_max(largest2, smr_dot(gradient[c], gradient[c]));
     }
     if (!(square > SMR_SQUARE_FLOOR))
-        return; /* the edge is fully folded: no direction opens it sooner than another */
+        return 0; /* the edge is fully folded: no direction opens it sooner than another */
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
@@ -87,6 +86,7 @@ SMR_SELDOM static void open_dihedral(smr_folds *f, const side *a, const side *b,
         f->marked[corner[c]] = 1;
         smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
+    return 1;
 }
 
 /* Returns the first of the edges from .. to - 1 that may be folded; to: none. Where folds were found, any may, and once
@@ -103,7 +103,7 @@ static void open_folds(smr_folds *f, uint32_t from, uint32_t to)
     const int found = (tally->folds.open & smr_piece_bit(from)) != 0u;
     const uint32_t pass = f->open.n_passes, before = pass > 0u ? SMR_OPENED + pass - 1u : 0u;
     if (!(found && pass == 0u) && !smr_marked_since(f, tally, before))
-        return; /* since the pass before nothing has moved in these structures */
+        return; /* nothing has moved in these structures: in limit, or since the pass before began */
     for (uint32_t i = next(f, found, from, to); i < to; i = next(f, found, i + 1u, to)) {
         const smr_stored_dihedral *h = smr_edge_at(f, i);
         const uint32_t first = smr_edge_first(f, h), second = smr_edge_second(f, h);
@@ -114,7 +114,8 @@ static void open_folds(smr_folds *f, uint32_t from, uint32_t to)
         const float cosine = smr_dot(a.normal, b.normal);
         if (!(cosine < SMR_FOLD_COS) || !(smr_min(a.area2, b.area2) > SMR_AREA_FLOOR))
             continue;
-        open_dihedral(f, &a, &b, cosine);
+        if (!open_dihedral(f, &a, &b, cosine))
+            continue;
         f->folding[smr_model_owner(f->shared->model, a.corner[0])] = SMR_OPENED + pass + 1u;
         f->open.n_folds++;
     }

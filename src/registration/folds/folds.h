@@ -42,6 +42,8 @@ typedef struct smr_fold_open {
     uint32_t n_folds;  /* number of folds found in this pass so far */
 } smr_fold_open;
 
+#define SMR_OPENED 64u /* smr_folds.folding: above the rounds of fold_limit.c */
+
 typedef struct smr_folds {
     const smr_shared *shared;
     const smr_schedule *schedule;
@@ -49,8 +51,10 @@ typedef struct smr_folds {
     smr_tangent_smooth *tangent_smooth; /* smoothing, whose `limited` gets the removed share of each step */
     smr_rings rings;
     smr_tally *tally;
-    uint8_t *marked;   /* [n] not 0: a fold step changes the vertex' position in this iteration */
-    uint32_t *folding; /* [n_structures] 0: no folds; limit: last round, from 1, that marked vertices; repair: 1 */
+    uint8_t *marked; /* [n] not 0: a fold step changes the vertex' position in this iteration */
+    /* [n_structures] 0: nothing moved; repair: 1; else the last round of limit, from 1, or SMR_OPENED + the last pass
+     * of open, from 1, that moved a vertex */
+    uint32_t *folding;
     uint32_t n_dihedral_tasks; /* number of tasks of fold_find.c */
     uint32_t n_guarded;        /* number of vertices that fold steps changed in this iteration */
     uint32_t moved;            /* 1: x_next has changed and the triangles must be updated */
@@ -129,8 +133,7 @@ static inline float smr_refitted_cosine(const smr_folds *f, const smr_stored_dih
 
 /* Returns the first of the edges from .. to - 1 with a touched triangle; to: none. */
 uint32_t smr_next_touched(const smr_folds *f, uint32_t from, uint32_t to);
-/* Returns 1 when round `round` of fold_limit.c or a later one marked a vertex in the structures of a chunk of edges;
- * where the repair came before, when it repaired such a structure. */
+/* Returns 1 when `folding` is above `round` in a structure of a chunk of edges. */
 int smr_marked_since(const smr_folds *f, const smr_tally *tally, uint32_t round);
 
 /* Returns the share, 0..1, by which the steps of h's corners must move to their mean if h's next cosine is `next`. */

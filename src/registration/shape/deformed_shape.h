@@ -43,7 +43,7 @@ typedef struct smr_shape {
     float *x;      /* [n][3] positions of the last complete iteration, mm */
     float *x_next; /* [n][3] positions of the current iteration, mm; until evolve, the positions before x */
     float *normal; /* [n][3] unit normals at x; 0 for vertices without triangles */
-    /* members that plasticity and a start write */
+    /* members that plasticity, tracking and a start write */
     float *x_ref;                   /* [n][3] reference shape x^r, mm */
     float *normal_ref;              /* [n][3] unit normals of the reference shape */
     smr_shape_structure *structure; /* [n_structures] structures of the model */

@@ -15,6 +15,7 @@
  *                   match -> records of transforms                            transforms, floats
  *                   records of transforms -> evolve                           sums over clusters
  *   sum, words 12+  evolve -> end of the iteration                            next normals (below)
+ *   sum, words 0-2  exchange of normals -> end of the iteration               the former x^r (below)
  *   tally           within each step and its end                              results of tasks for the step's end;
  *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of edges
  *   x_next          end of the iteration -> evolve                            the positions before x (deformed_shape.h)
@@ -50,8 +51,8 @@ typedef union smr_tally {
     struct {
         /* a bit for each piece of the dihedral edges: some fold or must be limited; are folded but were open at rest */
         uint32_t bent, open;
-        uint32_t quiet;       /* likewise: no edge had a touched triangle in the round of fold_limit.c ... */
-        uint32_t round;       /* ... of this number */
+        uint32_t quiet;       /* likewise: no edge has a touched triangle, or none was touched yet, ... */
+        uint32_t round;       /* ... in this round of fold_limit.c */
         uint32_t first, last; /* the edges lie in these structures and some between them */
     } folds;
 } smr_tally;
@@ -115,8 +116,8 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->spread.count = o->spread.next + 4u * (size_t)n;
 }
 
-/* Three words of a vertex' sum from word `word` on, as a vector. sum: smr_overlay.sum. From evolve until the iteration
- * is complete they hold the next normal; in tracking, once x^r is exchanged, the former x^r. */
+/* Three words of a vertex' sum (smr_overlay.sum) from word `word` on, as a vector: from evolve on the next normal; once
+ * normals are exchanged the former one, and the former x^r if an iteration's end sets x^r. */
 #define SMR_FORMER_REF 0u
 #define SMR_NEXT_NORMAL 12u /* averaging uses the words before */
 

@@ -1,5 +1,5 @@
 /* coarse_to_fine_schedule.c: the schedule between iterations: active vertices, search distances, x^r = x, next radius.
- * Bounds: SMR_RADII_MAX; in tracking passes over the vertices.
+ * Bounds: SMR_RADII_MAX; in tracking by images and with track.ahead, and in dynamics, passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"
 #include "registration/tick/iteration_steps.h"

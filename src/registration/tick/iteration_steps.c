@@ -57,9 +57,9 @@ static void measure_end(smr *s)
     s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->schedule.tracking ||
                             smr_moves(s) || smr_plastic_ahead(s);
     s->evolve.ref_next = smr_tracks(&s->schedule)                 ? SMR_REF_POSED
-                         : SMR_HAS_TRACK && smr_tracking_ahead(s) ? SMR_REF_TRACKED
+                         : SMR_HAS_TRACK && smr_tracking_ahead(s) ? SMR_REF_STARTS
                                                                   : SMR_REF_STAYS;
-    if (s->evolve.ref_next == SMR_REF_TRACKED)
+    if (s->evolve.ref_next == SMR_REF_STARTS)
         smr_track_rest_clear(&s->shape);
 }
 
@@ -87,7 +87,7 @@ static uint32_t one_task(const void *stage) { return (void)stage, 1u; }
 static void exchange(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
 {
     smr *s = arg;
-    const uint32_t ref = s->evolve.ref_next;
+    const uint32_t ref = SMR_HAS_TRACK ? s->evolve.ref_next : SMR_REF_STAYS;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
         const smr_vec next = smr_next_normal(s->sums.sum, v);
         smr_next_normal_set(s->sums.sum, v, smr_get3(s->shape.normal, v));
@@ -95,7 +95,7 @@ static void exchange(void *arg, uint32_t task, SMR_UNUSED uint32_t worker)
         if (ref == SMR_REF_STAYS)
             continue;
         smr_sum_vec_set(s->sums.sum, v, SMR_FORMER_REF, smr_get3(s->shape.x_ref, v));
-        if (ref == SMR_REF_TRACKED)
+        if (ref == SMR_REF_STARTS)
             smr_track_rest_add(&s->shape, v);
         smr_put3(s->shape.x_ref, v, smr_track_rest_posed(&s->shape, v));
     }
@@ -141,7 +141,7 @@ SMR_SELDOM void smr_abandon_iteration(smr *s)
 {
     for (uint32_t v = 0; v < smr_exchanged(s); v++) {
         smr_put3(s->shape.normal, v, smr_next_normal(s->sums.sum, v));
-        if (s->evolve.ref_next != SMR_REF_STAYS)
+        if (SMR_HAS_TRACK && s->evolve.ref_next != SMR_REF_STAYS)
             smr_put3(s->shape.x_ref, v, smr_sum_vec(s->sums.sum, v, SMR_FORMER_REF));
     }
     memcpy(s->shape.x_next, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));

@@ -68,7 +68,8 @@ void smr_forces_settle(smr *s);              /* completes smr_sources_keep() whe
 int smr_seeks_forces(const smr_step *step);  /* 1: the step searches for goals */
 uint32_t smr_forces_evaluated(const smr *s); /* number of vertices searched for goals in the current iteration */
 
-/* Returns the number of vertices whose normals, and in tracking x^r, are the next ones; smr_sums.sum has the former. */
+/* Returns the number of vertices with the next normals, and the next x^r if evolve.ref_next is not SMR_REF_STAYS; then
+ * smr_sums.sum has the former ones. */
 uint32_t smr_exchanged(const smr *s);
 
 /* Abandons the current iteration: x stays; all results are discarded, since a replay does not know which existed. */
