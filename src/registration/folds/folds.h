@@ -38,8 +38,8 @@ typedef struct smr_fold_limit {
 
 typedef struct smr_fold_open {
     smr_fold_pass pass;
-    uint32_t n_passes; /* number of completed passes that found folds in this iteration */
-    uint32_t n_folds;  /* number of folds found in this pass so far */
+    uint32_t n_passes; /* number of completed passes that opened folds in this iteration */
+    uint32_t n_folds;  /* number of folds opened in this pass so far */
 } smr_fold_open;
 
 #define SMR_OPENED 64u /* smr_folds.folding: above the rounds of fold_limit.c */
